@@ -23,6 +23,7 @@ LANES, TAPES = Path("algebra", "lanes.h"), Path("algebra", "tape_kernel.c")
 VALUES, PATHS = Path("algebra", "singular_values.c"), Path("closing", "path_kernel.c")
 STARTS, WALK = Path("closing", "starts.h"), Path("closing", "walk.h")
 MANY_PATHS = Path("closing", "many_paths.c")
+RATES, RADII = Path("batches", "many_rates.c"), Path("rates", "many_radii.c")
 CURVES = Path("studies", "homotopy", "curve_kernel.c")
 #: What is compiled, and what it includes, by what is built of it.
 KERNELS = {
@@ -30,6 +31,8 @@ KERNELS = {
     "algebra/_singular_values.so": (VALUES, LANES),
     "closing/_path_kernel.so": (PATHS, STARTS, WALK, TAPES, LANES),
     "closing/_many_paths.so": (MANY_PATHS, PATHS, STARTS, WALK, TAPES, LANES),
+    "batches/_many_rates.so": (RATES, WALK, TAPES, LANES),
+    "rates/_many_radii.so": (RADII, VALUES, LANES),
     "studies/homotopy/_curve_kernel.so": (CURVES, TAPES, LANES),
 }
 # No function's error number is asked for, and no exception is trapped: else roots stay scalar.

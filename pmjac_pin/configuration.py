@@ -22,6 +22,7 @@ from pmjac_pin.errors import ArgumentError, ClosureError
 from pmjac_pin.kinematics.pinocchio import Snapshot
 from pmjac_pin.model.limits import Violation, violations
 from pmjac_pin.model.reference_frame import frame_name
+from pmjac_pin.model.tool_rows import WORLD_AXES
 from pmjac_pin.model.twist_frame import FrameName, change_frame
 from pmjac_pin.pose_of_configuration import PoseOfConfiguration
 from pmjac_pin.rates.allowed import AllowedJacobian, allowed_jacobian
@@ -72,18 +73,37 @@ class Configuration(LoadedPose, Shown):
     iterations: int = field(init=False)
     residual_norm: float = field(init=False)
 
+    if TYPE_CHECKING:
+        _problem: ClosureProblem | None  # where a path led here
+
     def __init__(self) -> None:
         # It is a proof, so nobody can make one by hand, `dataclasses.replace` included.
         raise ArgumentError("a Configuration is made by Mechanism.close, .pose or .configuration")
 
     @classmethod
     def _certified(
-        cls, mechanism: Mechanism, q: Array, iterations: int, gap: float, **known: object
+        cls,
+        mechanism: Mechanism,
+        q: Array,
+        iterations: int,
+        gap: float,
+        problem: ClosureProblem | None = None,
+        **known: object,
     ) -> Configuration:
-        """Make a configuration of a q whose loops were just seen closed, keeping what is known."""
+        """Make a configuration of a q whose loops were just seen closed, keeping what is known.
+
+        That is on the branch with the problem's ranks, where one is given.
+        """
         configuration = object.__new__(cls)
+        configuration.__dict__.update(known)
         configuration.__dict__.update(
-            mechanism=mechanism, q=read_only(q), iterations=iterations, residual_norm=gap, **known
+            {
+                "mechanism": mechanism,
+                "q": read_only(q),
+                "iterations": iterations,
+                "residual_norm": gap,
+                "_problem": problem,
+            }
         )
         return configuration
 
@@ -92,8 +112,7 @@ class Configuration(LoadedPose, Shown):
         cls, mechanism: Mechanism, point: Closed, iterations: int, problem: ClosureProblem
     ) -> Configuration:
         """Make the configuration where a path ended, on the branch with the problem's ranks."""
-        known = {"_point": point, "problem": problem}
-        return cls._certified(mechanism, point.q, iterations, point.gap, **known)
+        return cls._certified(mechanism, point.q, iterations, point.gap, problem, _point=point)
 
     @classmethod
     def _of_q(cls, mechanism: Mechanism, q: Array, iterations: int = 0) -> Configuration:
@@ -101,12 +120,12 @@ class Configuration(LoadedPose, Shown):
         parts = mechanism._parts
         if (known := mechanism.recorded.pose(q)) is not None:
             return cls._certified(mechanism, q, iterations, known.gap, _known=known)
-        snapshot = parts.kinematics.snapshot(q)
-        gap, tolerance = parts.problem.gap(snapshot.residual), parts.problem.tolerance
-        if not gap <= tolerance:
+        snapshot, problem = parts.kinematics.snapshot(q), parts.problem
+        gap = problem.gap(snapshot.residual)
+        if not gap <= problem.tolerance:
             message = (
                 f"the loops of {mechanism.name!r} are open by {gap:.3g} m at this q (tolerance "
-                f"{tolerance:g} m); use close() to close them"
+                f"{problem.tolerance:g} m); use close() to close them"
             )
             raise ClosureError(message, residual_norm=gap, q=q)
         return cls._certified(mechanism, q, iterations, gap, _known=None, _snapshot=snapshot)
@@ -198,7 +217,7 @@ class Configuration(LoadedPose, Shown):
 
     def jacobian(
         self,
-        frame: str | pin.ReferenceFrame = "LOCAL_WORLD_ALIGNED",
+        frame: str | pin.ReferenceFrame = WORLD_AXES,
         *,
         tool: str | Sequence[str] | None = None,
     ) -> EquivalentJacobian:
@@ -234,14 +253,17 @@ class Configuration(LoadedPose, Shown):
         """
         if tool is not None:
             return self.with_tool(tool).jacobian(frame)
-        self._need_tool()
-        name, known, partition = frame_name(frame), self._known, self.problem.partition
+        problem = self.problem
+        if not problem.partition.tool_rows.names:
+            self._need_tool()
+        name: FrameName = WORLD_AXES if frame is WORLD_AXES else frame_name(frame)
+        known, pose = self._known, PoseOfConfiguration(self, name)
         find: Callable[[], EquivalentJacobian]
-        if known is not None and partition is self._parts.problem.partition:
-            J_eq, find = known.J_eq(name), functools.partial(self._whole, name)
+        if known is not None and problem is self._parts.problem:
+            J_eq, find = known.J_eq(name), functools.partial(self._whole, pose)
         else:
-            J_eq, find = self._eliminated(name)
-        return KnownJacobian.of(J_eq, name, partition, PoseOfConfiguration(self, name), find)
+            J_eq, find = self._eliminated(pose)
+        return KnownJacobian.of(J_eq, name, problem.partition, pose, find)
 
     def allowed_jacobian(
         self,
@@ -278,18 +300,19 @@ class Configuration(LoadedPose, Shown):
         split = self.split_jacobian(frame)
         return allowed_jacobian(split, self.singularity, loops=self._loop_rates)
 
-    def _eliminated(self, frame: FrameName) -> tuple[Array, Callable[[], EquivalentJacobian]]:
+    def _eliminated(
+        self, pose: PoseOfConfiguration
+    ) -> tuple[Array, Callable[[], EquivalentJacobian]]:
         """Return J_eq by singular values, and what has all matrices; or say why there is none."""
-        constraint, tool = self._jacobians(self._snapshot, frame)
+        constraint, tool = self._jacobians(self._snapshot, pose.frame)
         partition = self.problem.partition
         rates, J_eq = eliminated(tool, partition, self._loop_rates, self.singularity)
-        whole = functools.partial(
-            EquivalentJacobian, constraint, tool, frame, partition, rates, J_eq
-        )
-        return read_only(J_eq), functools.partial(whole, pose=PoseOfConfiguration(self, frame))
+        J_eq = read_only(J_eq)
+        matrices = constraint, tool, pose.frame, partition, rates, J_eq
+        return J_eq, functools.partial(EquivalentJacobian, *matrices, pose=pose)
 
-    def _whole(self, frame: FrameName) -> EquivalentJacobian:
-        return self._eliminated(frame)[1]()
+    def _whole(self, pose: PoseOfConfiguration) -> EquivalentJacobian:
+        return self._eliminated(pose)[1]()
 
     def split_jacobian(
         self, frame: str | pin.ReferenceFrame = "LOCAL_WORLD_ALIGNED"
@@ -350,9 +373,11 @@ class Configuration(LoadedPose, Shown):
 
     def _jacobians(self, snapshot: Snapshot, frame: FrameName) -> tuple[Array, Array]:
         """Return the constraint and the tool Jacobian of a snapshot, the latter in a frame."""
+        constraint, tool = snapshot.constraint_jacobian, snapshot.tool_jacobian
+        if frame == WORLD_AXES:
+            return constraint, tool
         position = snapshot.position + self._parts.place
-        tool = change_frame(snapshot.tool_jacobian, frame, snapshot.rotation, position)
-        return snapshot.constraint_jacobian, tool
+        return constraint, change_frame(tool, frame, snapshot.rotation, position)
 
     @found_once
     def _known(self) -> KnownPose | None:
@@ -367,25 +392,29 @@ class Configuration(LoadedPose, Shown):
     def _point(self) -> Closed:
         return closed_point(self.problem, self.q)
 
-    @found_once
-    def _loop_rates(self) -> LoopRates:
-        home, here = self._parts.problem, self.problem
-        return self._by_home if here is home else self._rates_by(here)
-
-    @found_once
+    @property
     def problem(self) -> ClosureProblem:
         """The closure problem, with the generic ranks of the branch that this pose lies on."""
-        parts = self._parts
-        if self._known is not None:  # with home's ranks
-            return parts.problem
-        return on_branch_of(parts.problem, parts.kinematics, self.q, self._by_home)
+        if (told := self._problem) is not None:
+            return told
+        return self._parts.problem if self._known is not None else self._branch[0]
+
+    @property
+    def _loop_rates(self) -> LoopRates:
+        return self._branch[1]
 
     @found_once
-    def _by_home(self) -> LoopRates:
-        return self._rates_by(self._parts.problem)
-
-    def _rates_by(self, problem: ClosureProblem) -> LoopRates:
-        return problem.partition.loop_rates(self._snapshot.constraint_jacobian)
+    def _branch(self) -> tuple[ClosureProblem, LoopRates]:
+        """The problem of the branch that this pose lies on, and what the loops allow by it."""
+        parts, jacobian = self._parts, self._snapshot.constraint_jacobian
+        home, here = parts.problem, self._problem
+        if here is None:
+            loops = home.partition.loop_rates(jacobian)
+            if self._known is None:
+                here = on_branch_of(home, parts.kinematics, self.q, loops)
+            if here is None or here is home:
+                return home, loops
+        return here, here.partition.loop_rates(jacobian)
 
     @found_once
     def _snapshot(self) -> Snapshot:

@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
 from pmjac_pin.closing.closed import closed_point
-from pmjac_pin.closing.closure import MOST_STEPS, Followed
+from pmjac_pin.closing.closure import MOST_STEPS, Followed, follow
 from pmjac_pin.closing.closure_problem import ClosureProblem
-from pmjac_pin.closing.damped_closure import Assembled, assemble
+from pmjac_pin.closing.damped_closure import Assembled, assemble, motor_weights
 from pmjac_pin.closing.held_motors import assemble_held
 from pmjac_pin.closing.motor_values import by_joint, motor_values
-from pmjac_pin.closing.over_actuation import ties_in_words, walk
-from pmjac_pin.closing.pose_assembly import motor_weights
+from pmjac_pin.closing.over_actuation import ties_in_words, walk_led
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import ArgumentError, ClosureError
 from pmjac_pin.model.limits import Violation, enforced, limit_error
@@ -42,12 +40,14 @@ def close(
     mechanism: Mechanism, actuated: Any, guess: Guess, enforce_limits: bool | str
 ) -> Configuration:
     """Close the loops at these motor values; see `Mechanism.close`."""
-    parts, whose = mechanism._parts, enforced(enforce_limits)
-    values = motor_values(parts.spec, parts.coordinates, actuated)
-    if whose != "none":
-        check_limits(mechanism, values)
+    whose = enforced(enforce_limits)
+    values = None if whose == "none" else mechanism.motors.within_limits(actuated)
+    if values is None:
+        parts = mechanism._parts
+        values = motor_values(parts.spec, parts.coordinates, actuated)
+        if whose != "none":
+            check_limits(mechanism, values)
     start = start_of(mechanism, guess, values)
-
     closed = _end_of_path(mechanism, start, values)
     if whose == "all" and (beyond := closed.limits_violated):
         what = f"{mechanism.name}: at these motor values, on this assembly mode, "
@@ -63,13 +63,14 @@ def _end_of_path(mechanism: Mechanism, start: Configuration, values: Array) -> C
     if ahead is None:
         path = _walked(mechanism, start, values)
     else:
-        known = {"_problem": problem}
-        reached = Configuration._certified(mechanism, ahead.q, ahead.iterations, ahead.gap, **known)
+        reached = Configuration._certified(
+            mechanism, ahead.q, ahead.iterations, ahead.gap, problem=problem
+        )
         if ahead.share == 1.0:
             return reached
         rest = _walked(mechanism, reached, values)
         share = rest.share if rest.share == 1.0 else ahead.share + (1.0 - ahead.share) * rest.share
-        path = replace(rest, share=share, iterations=ahead.iterations + rest.iterations)
+        path = rest._replace(share=share, iterations=ahead.iterations + rest.iterations)
     if path.share < 1.0:
         raise _stopped(mechanism, values, start, path)
     return Configuration._of_point(mechanism, path.point, path.iterations, problem)
@@ -77,12 +78,11 @@ def _end_of_path(mechanism: Mechanism, start: Configuration, values: Array) -> C
 
 def _walked(mechanism: Mechanism, start: Configuration, values: Array) -> Followed:
     """Walk from a closed pose to motor values by singular values."""
-    parts = mechanism._parts
-    problem, motors = start.problem, parts.problem.partition.actuated
-    displacement = parts.coordinates.motion_to(start.q, motors, values)
-    if problem is not parts.problem:
-        parts = replace(parts, problem=problem)
-    return walk(parts, mechanism.step_guard, start._point, displacement, values)
+    problem, guard, motors = start.problem, mechanism.step_guard, mechanism.motors
+    if problem.partition.constraint_rank > problem.partition.passive_rank:
+        return walk_led(problem, mechanism._parts.coordinates, guard, start._point, values)
+    displacement = motors.way(start.q, values)
+    return follow(problem, guard, start._point, displacement, lambda q: motors.at(q, values))
 
 
 def check_limits(mechanism: Mechanism, values: Array) -> None:
@@ -139,7 +139,7 @@ def _with_motors_held(problem: ClosureProblem, q: Array) -> Assembled:
     first = assemble(problem, q, motor_weights(problem, 0.0))
     if first.gap <= problem.tolerance:
         return first
-    best, factors = assemble_held(problem, q), closed_point(problem, first.q).factors
+    best, factors = assemble_held(problem, q, first), closed_point(problem, first.q).factors
     if first.gap > _FAR_AWAY_GAP * problem.partition.length:
         return best
     apart = problem.difference(first.q, best.q) / problem.partition.column_scale

@@ -15,12 +15,14 @@ from pmjac_pin.files.source import Source, read_source
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.spec import JointValue
 
+_NO_JOINTS: tuple[str, ...] = ()
+
 
 def load(
     name_or_path: str | Path,
     parameters: Mapping[str, float] | None = None,
     *,
-    locked: Iterable[str] | Mapping[str, JointValue] = (),
+    locked: Iterable[str] | Mapping[str, JointValue] = _NO_JOINTS,
     actuated: Iterable[str] | None = None,
     tool: str | None = None,
     tool_rows: Iterable[str] | None = None,
@@ -113,7 +115,11 @@ def adjusted(
     ArgumentError
         A motor that was given is locked; values that are none.
     """
-    spec = source.spec.with_locked(locked).with_tool_rows(tool_rows, tool_axes)
+    spec = source.spec
+    if locked is not _NO_JOINTS:
+        spec = spec.with_locked(locked)
+    if not (tool_rows is None and tool_axes is None):
+        spec = spec.with_tool_rows(tool_rows, tool_axes)
     if both := [name for name in source.driven if name not in spec.actuated]:
         raise ArgumentError(f"joint {quoted(both[0])} is given as `actuated` and as `locked`")
     if held := [name for name in source.spec.actuated if name not in spec.actuated]:

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from pmjac_pin.closing.arms import arms_of, without_arms
 from pmjac_pin.closing.assembly import build_parts
-from pmjac_pin.closing.motor_values import MotorValues
+from pmjac_pin.closing.motor_values import Motors, MotorValues
 from pmjac_pin.closing.pose_assembly import assemble_pose
 from pmjac_pin.closing.recorded_mechanism import RecordedMechanism
 from pmjac_pin.closing.step_guard import StepGuard
@@ -309,6 +309,11 @@ class Mechanism(MechanismSiblings, Shown):
         """Programs of the mechanism, recorded when they are needed: for many poses, and for one."""
         recordings = None if self.blueprint is None else self.blueprint.recordings
         return RecordedMechanism(self._parts, recordings)
+
+    @cached_property
+    def motors(self) -> Motors:
+        """Limits of the motors, and where q holds their values."""
+        return Motors(self._parts.spec, self._parts.coordinates)
 
     @cached_property
     def slopes(self) -> SlopesAlongMotions | None:

@@ -13,7 +13,7 @@ from pmjac_pin.closing.assembly import FoundAtHome, rebuilt_parts
 from pmjac_pin.closing.blueprint import Blueprint
 from pmjac_pin.closing.closure_problem import ClosureProblem
 from pmjac_pin.closing.nearby_poses import FARTHEST
-from pmjac_pin.closing.parts import Parts
+from pmjac_pin.closing.parts import PartsAtHome
 from pmjac_pin.errors import ArgumentError, NoToolError, enumerated
 from pmjac_pin.files.urdf.robot import Urdf
 from pmjac_pin.kinematics.pinocchio import Kinematics
@@ -34,13 +34,13 @@ class MechanismValue:
     built of and what was found for it, as Pinocchio's constraint models cannot be.
     """
 
-    _parts: Parts
+    _parts: PartsAtHome
     notes: tuple[str, ...] = field(default=(), kw_only=True)
     unread: tuple[str, ...] = field(default=(), kw_only=True)
     blueprint: Blueprint | None = field(default=None, kw_only=True)
 
     def __post_init__(self) -> None:
-        if not isinstance(self._parts, Parts):
+        if not isinstance(self._parts, PartsAtHome):
             raise ArgumentError("a Mechanism is made by pmjac_pin.load or from_pinocchio")
 
     @property

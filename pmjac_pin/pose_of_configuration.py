@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -27,8 +26,7 @@ _JOINTS = 4.0  # units in the last place of where each joint of a chain is
 _DIFFERENCE = 1e-7  # of the length: for differences, between what is curved and what is rounding
 
 
-@dataclass(frozen=True, slots=True)
-class PoseOfConfiguration:
+class PoseOfConfiguration(NamedTuple):
     """The `JacobianPose` that a configuration is, its twists in a frame."""
 
     configuration: Configuration

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import ast
 import doctest
 import importlib
+import io
 import re
 import subprocess
 import sys
+import tokenize
 import warnings
 from importlib.util import find_spec
 from pathlib import Path
@@ -18,9 +21,14 @@ from mechanisms import loaded
 
 import pmjac_pin as pj
 
-LIBRARIES = ("casadi", "crocoddyl", "jax", "mink", "pink")
+LIBRARIES = ("casadi", "crocoddyl", "jax", "mink", "pink")  # TSID: test_tsid.py
 DIFFERENT = ("four_bar", "three_rps_ss", "bennett", "agile_eye")
 PAGE = Path(__file__).parent.parent / "docs" / "adapters.md"
+BLOCKS = re.findall(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
+NO_CODE = {
+    tokenize.COMMENT, tokenize.NL, tokenize.NEWLINE, tokenize.INDENT, tokenize.DEDENT,
+    tokenize.ENDMARKER,
+}  # fmt: skip
 slow = pytest.mark.slow  # the libraries are installed with the slow tests only
 
 
@@ -40,7 +48,7 @@ def _warnings_of_others():
         yield
 
 
-@pytest.mark.parametrize("name", LIBRARIES)
+@pytest.mark.parametrize("name", [*LIBRARIES, "tsid"])
 def test_without_its_library_an_adapter_says_what_to_install(name):
     code = (
         f"import sys; sys.modules['{name}'] = None\n"
@@ -50,6 +58,33 @@ def test_without_its_library_an_adapter_says_what_to_install(name):
     )
     done = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True)
     assert f"pip install 'pmjac_pin[{name}]'" in done.stdout
+
+
+def code_lines(text):
+    """Return which lines have code: not those of docstrings and comments alone."""
+    found = set()
+    for token in tokenize.generate_tokens(io.StringIO(text).readline):
+        if token.type not in NO_CODE:
+            found.update(range(token.start[0], token.end[0] + 1))
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef) and ast.get_docstring(
+            node
+        ):
+            found.difference_update(range(node.body[0].lineno, node.body[0].end_lineno + 1))
+    return found
+
+
+def test_lines_of_code_are_counted():
+    lines = ['"""Two', 'lines."""', "", "X = 1  # one", "# none", "def f():", '    """It."""']
+    text = "\n".join([*lines, '    return """', '    """'])
+    assert code_lines(text) == {4, 6, 8, 9}
+
+
+@pytest.mark.parametrize(
+    "path", sorted(Path(pj.adapters.__file__).parent.glob("*.py")), ids=lambda path: path.stem
+)
+def test_an_adapter_has_at_most_sixty_lines_of_code(path):
+    assert len(code_lines(path.read_text(encoding="utf-8"))) <= 60
 
 
 @slow
@@ -62,7 +97,7 @@ def test_examples(name):
 
 @slow
 @pytest.mark.filterwarnings("ignore:Crocoddyl .* was built for another:RuntimeWarning")
-@pytest.mark.parametrize("block", re.findall(r"```python\n(.*?)```", PAGE.read_text(), re.DOTALL))
+@pytest.mark.parametrize("block", [block for block in BLOCKS if "adapters.tsid" not in block])
 def test_examples_of_the_page(block):
     for name in LIBRARIES:
         if re.search(rf"\b{name}\b", block):
@@ -357,12 +392,38 @@ def test_crocoddyl_is_refused_what_does_not_fit():
         actuation(state, {("pitch",): geared})
     with pytest.raises(pj.ArgumentError, match="twice"):
         actuation(state, {("pitch", "roll"): geared}, ["roll"])
+    humanoid = crocoddyl.StateMultibody(pin.buildSampleModelHumanoid())
+    with pytest.raises(pj.ArgumentError, match=r"no single value: root_joint$"):
+        actuation(humanoid, {}, ["root_joint", "larm_shoulder1_joint"])
     both = actuation(state, {("pitch", "roll"): geared}, ["motor1"])
     data = both.createData()
     both.calc(data, np.zeros(8), np.array([0.0, 0.0, 3.0]))
     np.testing.assert_array_equal(data.tau, [3.0, 0.0, 0.0, 0.0])
     with pytest.raises(pj.LimitError):
         both.calc(data, np.full(8, 3.0), np.zeros(3))
+
+
+@slow
+@pytest.mark.filterwarnings("ignore:Crocoddyl .* was built for another:RuntimeWarning")
+def test_crocoddyl_takes_joints_that_turn_without_end():
+    """With cosine and sine in x, as with the angle."""
+    of_crocoddyl, names = adapter("crocoddyl"), ("pitch", "roll")
+    crocoddyl = importlib.import_module("crocoddyl")
+    geared, angles, u = pj.transmission(loaded("humanoid_ankle"), names), [0.1, -0.2], [3.0, -2.0]
+    found = []
+    for kind in (pin.JointModelRZ, pin.JointModelRUBZ):
+        model = pin.Model()
+        for parent, name in enumerate(names):
+            model.addJoint(parent, kind(), pin.SE3.Identity(), name)
+        state = crocoddyl.StateMultibody(model)
+        actuation = of_crocoddyl.TransmissionActuation(state, {names: geared})
+        data, q = actuation.createData(), pin.integrate(model, pin.neutral(model), np.array(angles))
+        actuation.calc(data, np.concatenate([q, np.zeros(2)]), np.array(u))
+        actuation.calcDiff(data, np.concatenate([q, np.zeros(2)]), np.array(u))
+        found.append((data.tau, data.dtau_dx))
+    for straight, endless in zip(*found, strict=True):
+        np.testing.assert_allclose(endless, straight, atol=1e-12)
+    np.testing.assert_allclose(found[0][0], geared.at_joints(angles).joint_efforts(u), atol=1e-12)
 
 
 @slow

@@ -6,7 +6,7 @@ import pytest
 
 import pmjac_pin as pj
 from pmjac_pin.studies.assembled_poses import assembled_poses
-from pmjac_pin.viewer.scene import SceneOptions
+from pmjac_pin.viewer.scene_options import SceneOptions
 from pmjac_pin.viewer.session import Session
 
 

@@ -59,7 +59,8 @@ def test_the_same_as_one_by_one(name, share, rng):
     length = mechanism.characteristic_length
     # The single call is made where the program does not know: hardly ever, but for the last two
     # paths that are long.
-    *_, settled = many._closing.together(np.tile(mechanism.home.q, (count, 1)), values)
+    start = np.tile(mechanism.home.q, (count, 1))
+    settled = many._closing.together(start, values, (np.empty_like(start), np.empty(count)))
     assert np.count_nonzero(~settled) <= max(2, 0.1 * count)
     for k, (end, q) in enumerate(single(mechanism, one) for one in values):
         assert poses.share[k] == pytest.approx(end, abs=1e-6)
@@ -275,7 +276,7 @@ def turning():
 
 LONGER = np.array([2.0, 2.0, 1.0])
 CALLS = {
-    "close": lambda many, q: many.close([[0.3, 0.4]], guess=q),
+    "close": lambda many, q: many.close([[0.3, 0.4]] * len(q), guess=q),
     "jacobian": lambda many, q: many.jacobian(q),
     "ellipsoids": lambda many, q: many.ellipsoids(q),
     "measures": lambda many, q: many.measures(q),

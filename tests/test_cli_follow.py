@@ -163,4 +163,4 @@ def test_columns_without_times(tmp_path):
 
 def test_what_cannot_be_written_is_told_first(way, capsys):
     assert run("four_bar", "--waypoints", way, "-o", "poses.npz") == 2
-    assert "ends in .csv or .json" in capsys.readouterr().err
+    assert "ends in one of .csv, .json" in capsys.readouterr().err

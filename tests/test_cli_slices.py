@@ -57,6 +57,7 @@ def test_a_locus_as_json_in_a_window(capsys):
     ("words", "message"),
     [
         ([*MAP, "--window", "x=1"], "NAME=FROM:TO"),
+        ([*MAP, "--window", "x=0:1,x=1:2"], "gives 'x' twice"),
         ([*MAP, "--measure", "beauty"], "beauty"),
         ([*MAP, "-o", "map.docx"], "suffix"),
         ([*LOCUS[:-2], "--kinds", "lost"], "kinds"),

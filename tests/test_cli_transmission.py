@@ -27,7 +27,7 @@ def test_files_by_their_suffixes(tmp_path, monkeypatch, capsys):
     )
     assert (tmp_path / "ankle.h").read_text() == table.c()
     with np.load(tmp_path / "ankle.npz") as saved:
-        np.testing.assert_array_equal(saved["motor_values"], table.tabulated().motor_values)
+        np.testing.assert_array_equal(saved["motor_values"], table.tabulated()["motor_values"])
     assert len((tmp_path / "ankle.csv").read_text().splitlines()) == 1 + 17 * 17
     assert (tmp_path / "ankle.png").read_bytes().startswith(b"\x89PNG")
     assert all(name in shown.split() for name in outputs)

@@ -16,7 +16,8 @@ ROOT = Path(__file__).parent.parent
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 EXTRAS = PROJECT["optional-dependencies"]
 OPTIONAL = ("mjcf", "plot", "sweep", "table", "view")
-ADAPTERS = ("casadi", "crocoddyl", "jax", "mink", "pink")  # of the libraries that they are for
+WITH_WHEELS = ("casadi", "crocoddyl", "jax", "mink", "pink")
+ADAPTERS = (*WITH_WHEELS, "tsid")  # of the libraries that they are for
 REQUIREMENTS = [*PROJECT["dependencies"], *(one for name in OPTIONAL for one in EXTRAS[name])]
 
 PYTHONS = {
@@ -68,7 +69,7 @@ def test_each_adapter_has_an_extra():
     needs_none = {"__init__", "crocoddyl_build", "ros2_control"}
     modules = {path.stem for path in folder.glob("*.py")} - needs_none
     assert modules == set(ADAPTERS)
-    assert EXTRAS["adapters"] == [f"pmjac_pin[{','.join(ADAPTERS)}]"]
+    assert EXTRAS["adapters"] == [f"pmjac_pin[{','.join(WITH_WHEELS)}]"]
     for name in ADAPTERS:
         assert re.fullmatch(r"[\w-]+>=\d+(\.\d+)+", EXTRAS[name][0])
 

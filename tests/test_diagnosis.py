@@ -572,7 +572,7 @@ def test_a_named_pose_is_assembled_within_the_limits(slider):
 def test_a_named_pose_that_does_not_assemble(slider, monkeypatch):
     """From where the pose puts it, and from nowhere else."""
     monkeypatch.setattr("pmjac_pin.closing.held_motors.SHAKES", ())
-    monkeypatch.setattr("pmjac_pin.closing.pose_assembly._SHAKES", ())
+    monkeypatch.setattr("pmjac_pin.closing.pose_assembly.FOLDS", ())
     diagnosis = pj.check(slider)
     home, behind = diagnosis.poses
     assert (home.failure, home.kind) == (None, "regular")

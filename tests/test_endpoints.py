@@ -54,7 +54,7 @@ def test_a_double_solution_is_not_proven():
     """Coupler and rocker in line: the two modes meet there, and K* is singular."""
     machines = Machines(pj.load("four_bar", {"l0": 4.0, "l1": 1.0, "l2": 2.0, "l3": 3.0}))
     machine, form = machines.at([np.pi])
-    model, q = machines.mechanism.model, form.base.copy()
+    model, q = machines.mechanism.model, form.problem.whole.copy()
     for name, angle in {"phi1": np.pi, "phi2": -np.pi}.items():
         q[model.joints[model.getJointId(name)].idx_q] = angle
     x = machines.loops.unknowns(q[None])

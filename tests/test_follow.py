@@ -330,7 +330,7 @@ def test_a_rod_that_spins_is_followed():
 def test_what_is_no_question_is_told():
     machine = loaded("four_bar")
     for keywords, said in (
-        ({"singularity": "jump"}, "'stop' or 'pass'"),
+        ({"singularity": "jump"}, "singularity is stop or pass, got 'jump'"),
         ({"samples": 1}, "2 or more"),
         ({"samples": [0.5, 3.0]}, "samples ascend from 0 to 1"),
         ({"events": [abs]}, "by their names"),

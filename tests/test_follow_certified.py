@@ -11,7 +11,8 @@ from test_follow_branches import alike, four_bar, rocker_angles
 import pmjac_pin as pj
 from pmjac_pin.studies.follow.course import Course
 from pmjac_pin.studies.follow.given_path import motor_path
-from pmjac_pin.studies.follow.step import CoveredStep, PathPose, hermite
+from pmjac_pin.studies.follow.step import CoveredStep, hermite
+from pmjac_pin.studies.follow.stretch import PathPose
 from pmjac_pin.studies.follow.tubes import PathProof
 
 SLOW = pytest.mark.slow

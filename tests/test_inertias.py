@@ -309,7 +309,11 @@ def test_rotors_of_a_urdf_are_read(tmp_path, inside, after, armature):
 @pytest.mark.parametrize(
     ("inside", "after", "said"),
     [
-        ('<dynamics armature="-1"/>', "", "joint 'theta1', <dynamics>: `armature` is below 0: -1"),
+        (
+            '<dynamics armature="-1"/>',
+            "",
+            "<dynamics>: `armature` is -1; it must not be negative",
+        ),
         ('<dynamics armature="x"/>', "", "`armature` is 'x', not a finite number"),
         (
             '<drake:gear_ratio value="x"/>' + DRAKES[: DRAKES.index("/>") + 2],
@@ -317,7 +321,11 @@ def test_rotors_of_a_urdf_are_read(tmp_path, inside, after, armature):
             "gear_ratio>: `va",
         ),
         (DRAKES + DRAKES, "", "2 <.*rotor_inertia>; give one"),
-        ("", TRANSMISSION.format("thta1", DRAKES), "unknown joint 'thta1'; did you mean 'theta1'"),
+        (
+            "",
+            TRANSMISSION.format("thta1", DRAKES),
+            "'thta1' does not exist; did you mean 'theta1'",
+        ),
         ("", TRANSMISSION.format('a"/><joint name="b', DRAKES), "'t' has rotors and 2 joints"),
     ],
 )

@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 from mechanisms import CLOSED, loaded
 
-from pmjac_pin.closing.damped_closure import assemble
+from pmjac_pin.closing.damped_closure import assemble, motor_weights
 from pmjac_pin.closing.levenberg_marquardt import by_normal_equations, by_singular_values
-from pmjac_pin.closing.pose_assembly import motor_weights
 from pmjac_pin.studies.modes.search import ManyClosures
 from pmjac_pin.studies.modes.search_problem import search_problem
 from pmjac_pin.studies.modes.starts import StartSpace
@@ -58,7 +57,7 @@ DETERMINED = set(CLOSED) - {"ankle", "stewart_gough", "stewart_gough_dietmaier"}
 def test_one_start_closes_where_it_closes_among_many(name, rng):
     """By singular values, and by normal equations: near home is one mode."""
     mechanism = loaded(name)
-    problem, _ = search_problem(mechanism, mechanism.home.q)
+    problem = search_problem(mechanism, mechanism.home.q)
     weights = motor_weights(mechanism.problem, 0.0)
     away = 1e-3 * problem.length * weights * problem.partition.column_scale
     homes = np.tile(mechanism.home.q, (4, 1))

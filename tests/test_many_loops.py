@@ -77,7 +77,7 @@ def test_rows_are_pinocchios_in_the_order_of_the_loops(gear_first, rng):
 def test_many_rows_are_those_of_one(name, rng):
     """Many go through a program where all rows are polynomials; one alone does not."""
     mechanism = loaded(name)
-    problem, _ = search_problem(mechanism, mechanism.home.q)
+    problem = search_problem(mechanism, mechanism.home.q)
     q = random_rows(problem.model, rng, 70)
     residuals, jacobians = problem.loops.evaluate(q)
     assert residuals.shape == (70, len(problem.partition.row_scale))
@@ -89,7 +89,7 @@ def test_many_rows_are_those_of_one(name, rng):
 
 def test_tilts_and_turns_are_measured_as_ever_not_by_their_polynomials():
     loops = {
-        name: search_problem(loaded(name), loaded(name).home.q)[0].loops
+        name: search_problem(loaded(name), loaded(name).home.q).loops
         for name in ("stewart_gough", "agile_eye")
     }
     if tape_kernel() is None:

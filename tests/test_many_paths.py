@@ -21,6 +21,11 @@ FOLDING = ("five_bar", "bricard", "planar_3rpr", "planar_3rrr", "three_rps", "th
 SAME = 1e-8  # of the way: steps on both sides become shorter than can be resolved
 
 
+def together(many, start, values, **options):
+    q, share = np.empty_like(start), np.empty(len(values))
+    return q, share, many._closing.together(start, values, (q, share), **options)
+
+
 @pytest.mark.parametrize(
     ("name", "count"),
     [
@@ -38,7 +43,7 @@ def test_where_paths_end(name, count, rng):
     assert mechanism.problem.partition.full
     values = targets(mechanism, count, 0.6, rng)
     start = np.tile(mechanism.home.q, (count, 1))
-    q, share, settled = pj.batch(mechanism)._closing.together(start, values)
+    q, share, settled = together(pj.batch(mechanism), start, values)
     assert settled.mean() > 0.95
     assert (share[settled] < 1.0).sum() > 1
     for k in np.flatnonzero(settled).tolist():
@@ -54,8 +59,8 @@ def test_what_is_not_settled_in_few_steps_is_said_to_be_so(rng):
     mechanism = loaded("five_bar")
     many, values = pj.batch(mechanism), targets(mechanism, 200, 0.6, rng)
     start = np.tile(mechanism.home.q, (200, 1))
-    q, share, settled = many._closing.together(start, values)
-    early, share_early, settled_early = many._closing.together(start, values, most_steps=5)
+    q, share, settled = together(many, start, values)
+    early, share_early, settled_early = together(many, start, values, most_steps=5)
     assert 0.05 < settled_early.mean() < 0.95
     np.testing.assert_array_equal(early[settled_early], q[settled_early])
     assert (share_early[~settled_early] <= share[~settled_early] + 1e-12).all()

@@ -12,9 +12,10 @@ from mechanisms import loaded
 from test_same_machine import QUICKLY, THETA, rusr
 
 import pmjac_pin as pj
-from pmjac_pin.viewer.messages import Modes, encode
+from pmjac_pin.viewer.messages import Modes
 from pmjac_pin.words.modes_report import make_modes_report
 from pmjac_pin.words.modes_tables import count
+from pmjac_pin.words.plain import encoded
 
 PAGE = Path(pj.__file__).parent / "viewer" / "page"
 NODE = shutil.which("node")
@@ -63,7 +64,7 @@ def shown(directory, mechanism, values):
     (directory / "show.js").write_text(SCRIPT)
     done = subprocess.run(
         [str(NODE), "show.js"],
-        input=encode(message),
+        input=encoded(message),
         cwd=directory,
         capture_output=True,
         text=True,

@@ -11,7 +11,7 @@ from mechanisms import loaded
 import pmjac_pin as pj
 from pmjac_pin.studies.homotopy.machines import Machines
 from pmjac_pin.studies.modes.closed_pose import closed_pose
-from pmjac_pin.studies.modes.search_problem import search_problem, without_legs
+from pmjac_pin.studies.modes.search_problem import search_problem
 
 
 def machines_of(name):
@@ -31,8 +31,8 @@ def test_closed_poses_solve_them_at_any_motor_values(name, rng):
         *mechanisms.random_closed(mechanism, rng, 3, spread=0.1),
     ]:
         machine, form = machines.at(configuration.actuated)
-        problem, _ = search_problem(mechanism, form.base)
-        row = without_legs(mechanism, problem, configuration.q)[None]
+        problem = search_problem(mechanism, form.problem.whole)
+        row = problem.without_legs(configuration.q)[None]
         x = machines.loops.unknowns(row)
         numbers = machine.numbers[None]
         for size in (1.0, 0.3 - 0.4j):

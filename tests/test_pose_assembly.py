@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from types import SimpleNamespace
 
 import mechanisms
 import msgspec
@@ -13,9 +14,8 @@ from mechanisms import loaded
 
 import pmjac_pin as pj
 from pmjac_pin.closing.assembly import build_parts
-from pmjac_pin.closing.damped_closure import assemble
-from pmjac_pin.closing.held_motors import assemble_held
-from pmjac_pin.closing.pose_assembly import motor_weights
+from pmjac_pin.closing.damped_closure import assemble, motor_weights
+from pmjac_pin.closing.pose_assembly import assemble_pose
 
 
 def four_bar(home, limits=(-100.0, 100.0), loops=None, **changes):
@@ -199,17 +199,20 @@ def test_a_named_pose_keeps_its_motors_too(rng):
 
 def test_what_closes_at_once_costs_no_more(rng):
     """Counted in evaluations of the loops: further starts are for what stays wide open."""
-    mechanism = loaded("planar_3rrr")
-    problem, counts = mechanism.problem, []
+    mechanism, counts = loaded("planar_3rrr"), []
+    parts = build_parts(mechanism.model, mechanism.spec, dict(mechanism.parameters))
 
     def counted(q):
         counts[-1] += 1
-        return problem.evaluate(q)
+        return mechanism.problem.evaluate(q)
 
-    watched = dataclasses.replace(problem, evaluate=counted)
+    problem = mechanism.problem
+    watched = dataclasses.replace(problem, loops=SimpleNamespace(closure=counted, evaluate=counted))
     start = problem.integrate(mechanism.home.q, 0.1 * rng.normal(size=mechanism.nv))
-    for close in (lambda: assemble(watched, start, motor_weights(problem, 0.0)).q,
-                  lambda: assemble_held(watched, start).q):  # fmt: skip
+    room, weights = mechanism.coordinates.room, motor_weights(problem, 0.0)
+    parts = dataclasses.replace(parts, split=watched)
+    for close in (lambda: assemble(watched, start, weights, room=room),
+                  lambda: assemble_pose(parts, start, "home")):  # fmt: skip
         counts.append(0)
         close()
     assert counts[0] == counts[1] < 20

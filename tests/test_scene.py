@@ -19,7 +19,8 @@ from pmjac_pin.rates.ellipsoid import velocity_ellipsoid
 from pmjac_pin.rates.motor_limits import stated_rate_limits
 from pmjac_pin.viewer.ellipsoids import LIMIT, THINNEST, directions_after, radius_label
 from pmjac_pin.viewer.free_motion import ALMOST_SINGULAR
-from pmjac_pin.viewer.scene import SceneMaker, SceneOptions
+from pmjac_pin.viewer.scene import SceneMaker
+from pmjac_pin.viewer.scene_options import SceneOptions
 
 EVERYTHING = SceneOptions(
     linear=True, angular=True, force=True, velocity_polytope=True, force_polytope=True

@@ -27,11 +27,11 @@ from pmjac_pin.viewer.messages import (
     Refusal,
     SetLoad,
     decode,
-    encode,
 )
 from pmjac_pin.viewer.readout import make_readout
-from pmjac_pin.viewer.scene import SceneOptions
+from pmjac_pin.viewer.scene_options import SceneOptions
 from pmjac_pin.viewer.session import Session
+from pmjac_pin.words.plain import encoded
 
 
 def session_of(name="three_rps", **options):
@@ -385,7 +385,7 @@ def test_at_a_singularity_there_is_no_jacobian_and_the_readout_says_why():
     assert readout.warning.level == "singular"
     assert "gain" in readout.warning.text
     assert "no J_eq exists" in readout.refusal
-    state = json.loads(encode(session.state()))
+    state = json.loads(encoded(session.state()))
     assert state["readout"]["J_eq"] is None
 
 
@@ -573,7 +573,11 @@ def test_messages():
     assert decode('{"command": "move", "values": [1, 2.5], "id": 7}') == MoveMotors(
         id=7, values=[1, 2.5]
     )
-    assert json.loads(encode(Refusal(None, "no"))) == {"type": "error", "id": None, "message": "no"}
+    assert json.loads(encoded(Refusal(None, "no"))) == {
+        "type": "error",
+        "id": None,
+        "message": "no",
+    }
 
 
 def pushed(**changes):
@@ -636,7 +640,7 @@ def test_at_a_singular_pose_the_load_is_refused_in_words_and_the_rest_stays():
     assert "singular" in state.load.refusal
     assert "no J_eq exists" in state.load.reason
     assert all(math.isnan(one.value) and one.limit == 100.0 for one in state.load.efforts)
-    message = json.loads(encode(state))
+    message = json.loads(encoded(state))
     assert [one["value"] for one in message["load"]["efforts"]] == [None] * 3
     assert set(state.drawn.no_polytopes) == {"velocity", "force"}
     assert not [i for i in session.scene().items if i.visible and "polytope" in i.name]

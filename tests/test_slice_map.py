@@ -14,7 +14,7 @@ import pmjac_pin as pj
 from pmjac_pin.viewer import slice_finder, slice_map
 from pmjac_pin.viewer.design import redesigned
 from pmjac_pin.viewer.messages import DrawSlice, MoveMotors, StopSlice
-from pmjac_pin.viewer.scene import SceneOptions
+from pmjac_pin.viewer.scene_options import SceneOptions
 from pmjac_pin.viewer.session import Session
 from pmjac_pin.viewer.slice_finder import SliceFinder
 from pmjac_pin.viewer.slice_map import CELLS

@@ -21,7 +21,7 @@ from pmjac_pin.studies.modes.box_problem import box_problem, given_values
 from pmjac_pin.studies.modes.closed_pose import open_by
 from pmjac_pin.studies.modes.find import _without_open
 from pmjac_pin.studies.modes.random_search import RandomSearch
-from pmjac_pin.studies.modes.search_problem import search_problem, without_legs
+from pmjac_pin.studies.modes.search_problem import search_problem
 from pmjac_pin.studies.modes.slide_ranges import Polygons, slide_ranges
 from pmjac_pin.studies.modes.starts import StartSpace
 
@@ -124,7 +124,7 @@ def test_a_train_that_never_is_the_same_again_is_cut_off_and_says_so():
     modes = pj.assembly_modes(geared_cranks(np.sqrt(0.5)), [0.9], rng=0, most_starts=5000)
     assert len(modes) > 30
     bound = geared_cranks(np.sqrt(0.5))
-    problem, _ = search_problem(bound, bound.home.q)
+    problem = search_problem(bound, bound.home.q)
     assert StartSpace.of(problem, True).cut_off.startswith("'rocker' between -60.")
     bounded = geared_cranks(np.sqrt(0.5), limits=np.full(1, 6.0))
     assert len(pj.assembly_modes(bounded, [0.9], rng=0)) == 4
@@ -199,7 +199,7 @@ def test_two_slides_at_an_angle_are_a_place():
         "B",
         {"crank": 1.0, "x": -1.0, "y": 1.5},
     )
-    problem, _ = search_problem(mechanism, mechanism.home.q)
+    problem = search_problem(mechanism, mechanism.home.q)
     for name, middle in (("x", 0.5 - 3.0), ("y", 0.0)):
         one = slide_ranges(problem, True)[name]
         assert one.cut_off is None
@@ -231,11 +231,11 @@ def test_parallel_slides_are_cut_off_and_say_so():
 def test_every_mode_is_in_the_start_space(name, rng):
     """Of the machine, and of the machine moved, which changes no range."""
     mechanism = loaded(name)
-    legs = search_problem(mechanism, mechanism.home.q)[1]
+    legs = search_problem(mechanism, mechanism.home.q).legs
     for configuration in mechanisms.random_closed(mechanism, rng, 3):
-        problem, _ = search_problem(mechanism, configuration.q)
+        problem = search_problem(mechanism, configuration.q)
         ranges = slide_ranges(problem, False)
-        row = without_legs(mechanism, problem, configuration.q)
+        row = problem.without_legs(configuration.q)
         assert legs or ranges.keys() == {
             edge.name for _, edge in problem.passive if edge.kind.along
         }
@@ -251,7 +251,7 @@ def test_every_mode_is_in_the_start_space(name, rng):
 @pytest.mark.parametrize("name", SLIDING)
 def test_ranges_are_those_of_the_machine_not_of_its_place(name):
     mechanism = loaded(name)
-    problem, _ = search_problem(mechanism, mechanism.home.q)
+    problem = search_problem(mechanism, mechanism.home.q)
     away = pin.SE3(pin.rpy.rpyToMatrix(0.3, -0.8, 2.0), np.array([3e3, -2e3, 1e3]))
     moved = problem.model.copy()
     for joint in range(1, moved.njoints):
@@ -282,7 +282,7 @@ def small_platform(ratio):
 def test_no_mode_hides_where_legs_are_much_longer_than_what_they_carry(ratio):
     """Of a hundred starts some lead to each of four modes and their images below the base."""
     mechanism = small_platform(ratio)
-    problem, _ = search_problem(mechanism, mechanism.home.q)
+    problem = search_problem(mechanism, mechanism.home.q)
     search = RandomSearch(problem, StartSpace.of(problem, limits=True), np.random.default_rng(0))
     search.run(512)
     shares = [share for _, share in search.modes()]
@@ -329,7 +329,7 @@ def domain_of_slides(mechanism):
 @pytest.mark.parametrize("machine", [far_slide(), loaded("slider_crank")], ids=["far", "crank"])
 def test_a_proof_bounds_slides_as_a_search_does_wherever_the_machine_stands(machine):
     ends = domain_of_slides(machine)
-    problem, _ = search_problem(machine, machine.home.q)
+    problem = search_problem(machine, machine.home.q)
     for lower, upper, found in zip(*ends, slide_ranges(problem, False).values(), strict=True):
         width = upper - lower
         assert lower <= found.lower[0] <= found.upper[0] <= upper
@@ -342,7 +342,7 @@ def test_a_proof_bounds_slides_as_a_search_does_wherever_the_machine_stands(mach
 def test_limits_out_of_reach_leave_no_box_inside_out():
     """No pose has the block between 200 and 201 m: what is left lies between them."""
     machine = far_slide()
-    problem, _ = search_problem(machine, machine.home.q)
+    problem = search_problem(machine, machine.home.q)
     spans = [(find_frame(problem.model, "A"), find_frame(problem.model, "B"), 100.0)]
     edges = [edge for _, edge in problem.passive]
     polygons = Polygons(problem.model, problem.base, edges, spans)

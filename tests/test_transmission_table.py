@@ -111,7 +111,7 @@ def test_a_map_is_what_single_poses_say(name):
 @pytest.mark.parametrize("name", ["humanoid_ankle", "ankle", "five_bar"])
 def test_the_mixed_derivative_is_that_of_single_poses(name):
     table = table_of(name)
-    twist, place = table.tabulated().twist, tuple(s // 3 for s in table.map.status.shape)
+    twist, place = table.tabulated()["twist"], tuple(s // 3 for s in table.map.status.shape)
     driven = table.transmission.by_joints
     geared = table.transmission.at(driven.configuration(table.map.q[place]))
     np.testing.assert_allclose(twist[place], geared.curvature[:, 0, 1], rtol=0, atol=1e-9)

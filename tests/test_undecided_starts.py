@@ -41,7 +41,7 @@ def slid(theta, angle):
 
 def ends(mechanism, count):
     base = mechanism.home.q
-    problem, _ = search_problem(mechanism, base)
+    problem = search_problem(mechanism, base)
     space = StartSpace.of(problem, limits=True)
     closures = ManyClosures(problem, space.strides(problem))
     first = closures.ends(space.draw(np.random.default_rng(0), count))

@@ -94,7 +94,7 @@ def test_many_searches_are_one_thread():
             for number in range(60):
                 await page.send({"command": "find modes", "id": number})
             names = [thread.name for thread in threading.enumerate()]
-            assert names.count("pmjac modes") <= 1
+            assert names.count("pmjac search") <= 1
             while True:
                 message = await page.read()
                 if message.get("type") == "modes" and message["status"] == "found":

@@ -16,7 +16,7 @@ from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
 from pmjac_pin.errors import ModelFileError, UnknownNameError
-from pmjac_pin.files.urdf.geared_urdf import read_geared_urdf
+from pmjac_pin.files.urdf.dialects import read_cut_tree
 from pmjac_pin.files.urdf.robot import Urdf, UrdfJoint, parse_urdf
 from pmjac_pin.model.parameter import Move
 
@@ -147,20 +147,20 @@ def test_a_urdf_is_a_value():
         urdf.text = ""
 
 
-def test_read_geared_urdf(tmp_path):
+def test_read_cut_tree(tmp_path):
     path = tmp_path / "sample.urdf"
     path.write_text(SAMPLE, encoding="utf-8-sig")
-    assert read_geared_urdf(path).urdf == parse_urdf(SAMPLE, str(path))
+    assert read_cut_tree(path).urdf == parse_urdf(SAMPLE, str(path))
 
 
-def test_read_geared_urdf_names_the_file(tmp_path):
+def test_read_cut_tree_names_the_file(tmp_path):
     with pytest.raises(ModelFileError, match=r"nothing\.urdf: No such file"):
-        read_geared_urdf(tmp_path / "nothing.urdf")
+        read_cut_tree(tmp_path / "nothing.urdf")
     path = tmp_path / "huge.urdf"
     with path.open("wb") as file:
         file.truncate(20_000_001)
     with pytest.raises(ModelFileError, match=r"huge\.urdf: 20000001 bytes are too many"):
-        read_geared_urdf(path)
+        read_cut_tree(path)
 
 
 # --- the model that Pinocchio makes of it --------------------------------------------------
@@ -188,7 +188,7 @@ def test_kinematic_xml_gives_the_model_of_the_whole_urdf():
 )
 def test_kinematic_xml_of_an_example_robot(path):
     path = example_robots() / path
-    kinematic = pin.buildModelFromXML(read_geared_urdf(path).urdf.kinematic_xml())
+    kinematic = pin.buildModelFromXML(read_cut_tree(path).urdf.kinematic_xml())
     assert_same_model(kinematic, pin.buildModelFromUrdf(str(path)))
 
 
@@ -874,4 +874,4 @@ def test_any_bytes_are_refused(tmp_path, content):
     path = tmp_path / "r.urdf"
     path.write_bytes(content)
     with pytest.raises(ModelFileError):
-        read_geared_urdf(path)
+        read_cut_tree(path)

@@ -17,7 +17,8 @@ from pmjac_pin.files.shapes import Sphere, Text, scaled
 from pmjac_pin.viewer import viewer as viewer_module
 from pmjac_pin.viewer.canvas import Canvas
 from pmjac_pin.viewer.items import Item
-from pmjac_pin.viewer.scene import SceneMaker, SceneOptions
+from pmjac_pin.viewer.scene import SceneMaker
+from pmjac_pin.viewer.scene_options import SceneOptions
 
 
 @pytest.fixture

@@ -15,7 +15,7 @@ import pmjac_pin as pj
 from pmjac_pin.viewer import mode_finder
 from pmjac_pin.viewer.messages import FindModes, ShowMode, StopSearch
 from pmjac_pin.viewer.mode_finder import ModeFinder
-from pmjac_pin.viewer.scene import SceneOptions
+from pmjac_pin.viewer.scene_options import SceneOptions
 from pmjac_pin.viewer.session import Session
 
 LECTURE = [2 / 3, 3 / 5, 3 / 4]

@@ -186,7 +186,7 @@ def test_it_says_what_it_rests_on(bar_in_tool_space):
 
 
 def opened(piece):
-    return replace(piece, places=piece.places[:-1], directions=piece.directions[:-1])
+    return replace(piece, places=piece.places[:-1], ways=piece.ways[:-1])
 
 
 def longest_loop(border):

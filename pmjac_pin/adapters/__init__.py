@@ -14,7 +14,7 @@ import lazy_loader  # type: ignore[import-untyped]
 from pmjac_pin.errors import MissingDependencyError
 
 __getattr__, __dir__, __all__ = lazy_loader.attach(
-    __name__, submodules=["casadi", "crocoddyl", "jax", "mink", "pink", "ros2_control"]
+    __name__, submodules=["casadi", "crocoddyl", "jax", "mink", "pink", "ros2_control", "tsid"]
 )
 
 

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from scipy.linalg import block_diag
 
 from pmjac_pin.adapters import importing
 from pmjac_pin.adapters.crocoddyl_build import warn_of_other_builds
-from pmjac_pin.errors import ArgumentError, unknown_name
+from pmjac_pin.errors import ArgumentError
+from pmjac_pin.model.coordinates import JointCoordinates
 from pmjac_pin.studies.transmissions.transmission import Geared, Transmission
 from pmjac_pin.values.arrays import Array
 
@@ -57,9 +58,8 @@ class TransmissionActuation(crocoddyl.ActuationModelAbstract):
         transmissions: Mapping[tuple[str, ...], Transmission],
         direct: Sequence[str] = (),
     ) -> None:
-        joints = [name for names in transmissions for name in names]
-        self._at = {name: _entries_of(state.pinocchio, name) for name in [*joints, *direct]}
-        if len(self._at) < len(joints) + len(direct):
+        joints = [*(name for names in transmissions for name in names), *direct]
+        if len(set(joints)) < len(joints):
             raise ArgumentError("a joint is driven twice")
         for names, geared in transmissions.items():
             if len(names) != len(geared.joints):
@@ -68,52 +68,41 @@ class TransmissionActuation(crocoddyl.ActuationModelAbstract):
         self.motors = (*driven, *direct)
         super().__init__(state, len(self.motors))
         warn_of_other_builds()
-        self._transmissions, self._direct = dict(transmissions), tuple(direct)
+        self._coordinates = JointCoordinates(state.pinocchio)
+        self._columns = self._coordinates.columns(joints)
+        if len(self._columns) > len(joints):
+            many = [name for name in joints if self._coordinates.degrees_of_freedom(name) > 1]
+            raise ArgumentError(f"joints have no single value: {', '.join(many)}")
+        self._driven = np.eye(state.nv)[:, self._columns]  # a joint beside each entry of u
+        self._transmissions, self._direct = tuple(transmissions.values()), np.eye(len(direct))
+        self._ends = np.cumsum([len(names) for names in transmissions], dtype=np.intp)
 
     def calc(self, data: Any, x: Array, u: Array) -> None:
         """Find τ."""
-        data.tau = self._map(x) @ u
+        data.tau = self._driven @ self._ratio(x).T @ u
 
     def calcDiff(self, data: Any, x: Array, u: Array) -> None:
         """Find ∂τ/∂u and ∂τ/∂x."""
-        data.dtau_du, by_x = self._map(x), np.zeros((self.state.nv, self.state.ndx))
-        for geared, rows, columns in self._geared(x):
-            by_x[np.ix_(rows, rows)] = np.einsum("i,ijk->jk", u[columns], geared.curvature)
-        data.dtau_dx = by_x
+        data.dtau_du = self._driven @ self._ratio(x).T
+        exerted = zip(np.split(u, self._ends), self._geared(x), strict=False)
+        bent = [np.einsum("i,ijk->jk", efforts, each.curvature) for efforts, each in exerted]
+        by_q = self._driven @ block_diag(*bent, 0.0 * self._direct) @ self._driven.T
+        data.dtau_dx = np.hstack([by_q, np.zeros_like(by_q)])
 
     def commands(self, data: Any, x: Array, tau: Array) -> None:
         """Find u of τ."""
-        data.u = self._inverse(x) @ tau
+        data.u = np.linalg.solve(self._ratio(x).T, self._driven.T @ tau)
 
     def torqueTransform(self, data: Any, x: Array, u: Array) -> None:
         """Find ∂u/∂τ."""
-        data.Mtau = self._inverse(x)
+        data.Mtau = np.linalg.solve(self._ratio(x).T, self._driven.T)
 
-    def _inverse(self, x: Array) -> NDArray[np.floating]:
-        rows = self._map(x)
-        return np.linalg.solve(rows.T @ rows, rows.T)
+    def _ratio(self, x: Array) -> Array:
+        """Return R of all motors."""
+        ratio: Array = block_diag(*(each.ratio for each in self._geared(x)), self._direct)
+        return ratio
 
-    def _map(self, x: Array) -> Array:
-        found = np.zeros((self.state.nv, self.nu))
-        for geared, rows, columns in self._geared(x):
-            found[np.ix_(rows, columns)] = geared.ratio.T
-        for column, name in enumerate(self._direct, self.nu - len(self._direct)):
-            found[self._at[name][1], column] = 1.0
-        return found
-
-    def _geared(self, x: Array) -> Iterator[tuple[Geared, list[int], list[int]]]:
-        start = 0
-        for names, transmission in self._transmissions.items():
-            in_q, in_v = zip(*(self._at[name] for name in names), strict=True)
-            columns = list(range(start, start := start + len(names)))
-            yield transmission.at_joints(x[list(in_q)]), list(in_v), columns
-
-
-def _entries_of(model: Any, name: str) -> tuple[int, int]:
-    """Return where a joint of one degree of freedom is in q and in v."""
-    if not model.existJointName(name):
-        raise unknown_name("joint", name, list(model.names)[1:])
-    joint = model.joints[model.getJointId(name)]
-    if (joint.nq, joint.nv) != (1, 1):
-        raise ArgumentError(f"joint {name!r} has no single value")
-    return joint.idx_q, joint.idx_v
+    def _geared(self, x: Array) -> list[Geared]:
+        values = self._coordinates.values_of(x[: self.state.nq], self._columns)
+        each = zip(self._transmissions, np.split(values, self._ends), strict=False)
+        return [transmission.at_joints(own) for transmission, own in each]

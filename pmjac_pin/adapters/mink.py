@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 
 from pmjac_pin.adapters import importing
-from pmjac_pin.errors import SingularError
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.rates.factorisation import factorise
+from pmjac_pin.rates.independent_equations import leading_rows
 from pmjac_pin.studies.export.export import export
 from pmjac_pin.values.arrays import Array
 
@@ -79,6 +79,4 @@ class LoopClosure(mink.EqualityConstraintTask):
         mujoco.mj_fwdPosition(configuration.model, configuration.data)
         rows: Array = super().compute_jacobian(configuration)
         factors = factorise(rows, float(np.linalg.norm(rows)))
-        if factors.rank < self._rank:
-            raise SingularError("the equalities are singular at this q")
-        return factors.left[:, : self._rank].T
+        return leading_rows(factors, self._rank, "the equalities")

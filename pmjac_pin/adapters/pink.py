@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from pmjac_pin.adapters import importing
-from pmjac_pin.errors import SingularError
 from pmjac_pin.mechanism import Mechanism
+from pmjac_pin.rates.independent_equations import independent_loops
 from pmjac_pin.values.arrays import Array
 from pmjac_pin.values.checks import check_kind
 
@@ -53,11 +53,8 @@ class LoopClosure(Task):
         return self._equations(configuration.q)[1]
 
     def _equations(self, q: Array) -> tuple[Array, Array]:
-        partition, (eta, by_v) = self.mechanism.problem.partition, self.mechanism.loop_equations(q)
-        factors, rank = partition.factorise_all(by_v), partition.constraint_rank
-        if factors.rank < rank:
-            raise SingularError(f"the loops of {self.mechanism.name!r} are singular at this q")
-        leading = factors.left[:, :rank].T * partition.row_scale
+        eta, by_v = self.mechanism.loop_equations(q)
+        leading = independent_loops(self.mechanism.problem.partition, by_v, self.mechanism.name)
         return leading @ eta, leading @ by_v
 
     def __repr__(self) -> str:

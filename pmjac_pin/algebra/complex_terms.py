@@ -6,13 +6,10 @@ Arrays of them are arrays of objects, to which NumPy's sums and products apply.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from pmjac_pin.algebra.programs import objects
-
-if TYPE_CHECKING:
-    from pmjac_pin.algebra.arrays import Numbers
-    from pmjac_pin.algebra.programs import Term
+from pmjac_pin.algebra.arrays import Numbers
+from pmjac_pin.algebra.programs import Term, objects
 
 
 class ComplexTerm:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from functools import partial
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 import pinocchio as pin
@@ -18,9 +18,10 @@ from pmjac_pin.algebra.tape import Tape
 from pmjac_pin.algebra.tape_runner import run, tape_kernel
 from pmjac_pin.batches.closing import Closing
 from pmjac_pin.batches.grid import Grid
-from pmjac_pin.batches.judge import Judge
-from pmjac_pin.batches.measures import measured, with_extremes, with_radii
-from pmjac_pin.batches.pieces import PIECE, Piece, PieceWork, Progress, gathered
+from pmjac_pin.batches.judge import Judge, certain_jacobians
+from pmjac_pin.batches.many_rates import ManyRates
+from pmjac_pin.batches.measures import fill_measures, with_extremes
+from pmjac_pin.batches.pieces import Piece, PieceWork, Progress, gathered
 from pmjac_pin.batches.results import (
     ManyClosed,
     ManyEllipsoids,
@@ -28,6 +29,7 @@ from pmjac_pin.batches.results import (
     ManyJacobians,
     ManyMeasures,
     Statuses,
+    shapes_of,
 )
 from pmjac_pin.closing.motor_values import motor_table
 from pmjac_pin.closing.recorded_rates import DOUBTS
@@ -36,9 +38,14 @@ from pmjac_pin.errors import ArgumentError, quoted
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.limits import enforced
 from pmjac_pin.model.reference_frame import frame_name
+from pmjac_pin.model.twist_frame import FrameName
 from pmjac_pin.model.unit_turns import unit_rows
+from pmjac_pin.rates.many_radii import fill_radii
 from pmjac_pin.values.arrays import Array, Index
 from pmjac_pin.values.checks import as_numbers, check_kind
+
+_WORLD_ALIGNED: FrameName = "LOCAL_WORLD_ALIGNED"
+Rates = TypeVar("Rates", bound=ManyJacobians)
 
 
 def batch(mechanism: Mechanism, *, compiled: bool = False) -> Batch:
@@ -81,6 +88,8 @@ class Batch:
         installed.
     """
 
+    _last_guess: tuple[Configuration | None, Array] = (None, np.empty(0))
+
     def __init__(self, mechanism: Mechanism, *, compiled: bool = False) -> None:
         self.mechanism = mechanism
         self._compiled = CompiledPrograms() if compiled else None
@@ -89,7 +98,8 @@ class Batch:
             self.runs_on = "compiled programs"
         self._recorded = mechanism.recorded
         self._closing = Closing.of(mechanism, self._compiled)
-        self._judge = Judge(mechanism, self._recorded.rates.partition)
+        self._judge = Judge(mechanism)
+        self._known_rates: dict[int, ManyRates] = {}
 
     def close(
         self,
@@ -126,10 +136,13 @@ class Batch:
         values = motor_table(self.mechanism.spec, self.mechanism.coordinates, actuated)
         whose, (start, known) = enforced(enforce_limits), self._start(guess, len(values))
 
-        def work(piece: Piece) -> tuple[Array, Array, Statuses]:
+        def work(piece: Piece, *found: Any) -> None:
+            at = piece.at
+            begin = start[at]
             if not known:
-                self._closing.check(start[piece.at])
-            return self._closing.close(piece, start[piece.at], values[piece.at], whose)
+                begin = self._checked(begin)
+                self._closing.check(begin)
+            self._closing.close(piece, (begin, values[at]), whose, found)
 
         return self._closed(start, work, threads, progress)
 
@@ -190,9 +203,10 @@ class Batch:
     ) -> ManyClosed:
         """Close from closed q (N, nq), NOT_DONE where it takes more steps."""
 
-        def work(piece: Piece) -> tuple[Array, Array, Statuses]:
+        def work(piece: Piece, *found: Any) -> None:
             at = piece.at
-            return self._closing.close(piece, start[at], targets[at], whose, most_steps)
+            paths = start[at], targets[at]
+            self._closing.close(piece, paths, whose, found, most_steps=most_steps)
 
         return self._closed(start, work, threads)
 
@@ -223,18 +237,14 @@ class Batch:
         """
         self.mechanism.need_tool()
         poses, name = self._poses(q), frame_name(frame)
-        by, count, n = (
-            self._by(self._recorded.jacobian(name)),
-            len(poses),
-            len(self.mechanism.actuated),
-        )
+        rates = self._rates(self._recorded.jacobian(name))
 
-        def work(piece: Piece) -> tuple[Array, Statuses]:
-            part = poses[piece.at]
-            J_eq, status = self._judge.judged(piece, part, by(part.T), name)
-            return J_eq.transpose(2, 0, 1), status
+        def work(piece: Piece, J_eq: Array, status: Statuses) -> None:
+            part = self._checked(poses[piece.at])
+            _, certain = rates.fill(part, J_eq)
+            self._judge.settle(piece, part, certain, name, (J_eq, status))
 
-        return gathered(ManyJacobians, ((count, 6, n), (count,)), work, threads, progress)
+        return self._gathered(ManyJacobians, poses, work, threads, progress)
 
     def ellipsoids(
         self, q: ArrayLike, *, threads: int | None = None, progress: Progress | None = None
@@ -257,18 +267,15 @@ class Batch:
         True
         """
         self.mechanism.need_tool()
-        poses, by = self._poses(q), self._by(self._recorded.ellipsoids)
-        n = len(self.mechanism.actuated)
+        poses, rates = self._poses(q), self._rates(self._recorded.ellipsoids)
 
-        def work(piece: Piece) -> list[Array]:
-            part = poses[piece.at]
-            told = by(part.T)
-            judged = self._judge.judged(piece, part, told, "LOCAL_WORLD_ALIGNED")
-            return list(vars(with_radii(*judged, told[DOUBTS + 6 * n :])).values())
+        def work(piece: Piece, J_eq: Array, status: Statuses, *radii: Array) -> None:
+            part = self._checked(poses[piece.at])
+            sizes, certain = rates.fill(part, J_eq)
+            self._judge.settle(piece, part, certain, _WORLD_ALIGNED, (J_eq, status))
+            fill_radii(J_eq, sizes, *radii)
 
-        shapes = ((6, n), (), (3,), (3,))  # in the order of ManyEllipsoids
-        whole = [(len(poses), *shape) for shape in shapes]
-        return gathered(ManyEllipsoids, whole, work, threads, progress)
+        return self._gathered(ManyEllipsoids, poses, work, threads, progress)
 
     def measures(
         self, q: ArrayLike, *, threads: int | None = None, progress: Progress | None = None
@@ -292,17 +299,39 @@ class Batch:
         self.mechanism.need_tool()
         poses, by = self._poses(q), self._by(self._recorded.measures)
         n, partition = len(self.mechanism.actuated), self._recorded.rates.partition
-        shapes = ((6, n), (), (3,), (3,), (), (), (3,), (3, 3))  # in the order of ManyMeasures
+        tolerance = self.mechanism.problem.tolerance
 
-        def work(piece: Piece) -> list[Array]:
-            part = poses[piece.at]
+        def work(piece: Piece, J_eq: Array, status: Statuses, *others: Any) -> None:
+            part = self._checked(poses[piece.at])
             told, extremes = with_extremes(by, part.T, DOUBTS + 6 * n + 15, partition)
-            judged = self._judge.judged(piece, part, told, "LOCAL_WORLD_ALIGNED")
-            found = measured(*judged, told[DOUBTS + 6 * n :], extremes, partition)
-            return list(vars(found).values())
+            certain = certain_jacobians(partition, tolerance, told)
+            J_eq[:] = told[DOUBTS : DOUBTS + 6 * n].reshape(6, n, -1).transpose(2, 0, 1)
+            self._judge.settle(piece, part, certain, _WORLD_ALIGNED, (J_eq, status))
+            found = [J_eq, status, *others]
+            fill_measures(told[DOUBTS + 6 * n :], extremes, partition, found)
 
-        whole = [(len(poses), *shape) for shape in shapes]
-        return gathered(ManyMeasures, whole, work, threads, progress)
+        return self._gathered(ManyMeasures, poses, work, threads, progress)
+
+    def _gathered(
+        self,
+        kind: type[Rates],
+        poses: Array,
+        work: PieceWork,
+        threads: int | None,
+        progress: Progress | None,
+    ) -> Rates:
+        shapes = shapes_of(kind, len(poses), len(self.mechanism.actuated))
+        return gathered(kind, shapes, work, threads, progress)
+
+    def _rates(self, tape: Tape) -> ManyRates:
+        """Return what computes J_eq by a tape."""
+        known = self._known_rates.get(id(tape))  # which its rates keep
+        if known is None:
+            compiled = None if self._compiled is None else self._compiled.of(tape)
+            partition, tolerance = self._recorded.rates.partition, self.mechanism.problem.tolerance
+            known = ManyRates(tape, partition, tolerance, compiled)
+            self._known_rates[id(tape)] = known
+        return known
 
     def _by(self, tape: Tape) -> Callable[[Array], Array]:
         """Return what computes a tape's outputs, (outputs, N), of inputs (inputs, N)."""
@@ -313,24 +342,29 @@ class Batch:
         if isinstance(guess, str):
             guess = self.mechanism.pose(guess)
         if isinstance(guess, Configuration):
-            q = self.mechanism.configuration(guess.q).q
+            q = self._of_guess(guess)
             return np.broadcast_to(q, (count, q.size)), True
         start = self._poses(guess)
         if len(start) != count:
             raise ArgumentError(f"{count} guesses expected, one for each target; got {len(start)}")
         return start, False
 
+    def _of_guess(self, guess: Configuration) -> Array:
+        """Return its q, seen to be closed in this mechanism; the last one is known."""
+        known, q = self._last_guess
+        if known is not guess:
+            q = self.mechanism.configuration(guess.q).q
+            self._last_guess = guess, q
+        return q
+
     def _poses(self, q: Any) -> Array:
-        """Return q as it is where nothing in it is changed: what is looked at stays in caches."""
+        """Return q as rows, which are `_checked` piece by piece."""
         given: Array = q if type(q) is np.ndarray and q.dtype == np.float64 else as_numbers(q, "q")
         if given.ndim != 2 or given.shape[1] != self.mechanism.nq:
             wanted = f"(N, {self.mechanism.nq})"
             raise ArgumentError(f"q of shape {wanted} expected, got {given.shape}")
-        poses = given
-        for at in range(0, len(given), PIECE):
-            part = as_numbers(given[at : at + PIECE], "q")
-            unit = unit_rows(self.mechanism.kinematics.model, part)
-            if unit is not part:
-                poses = given.copy() if poses is given else poses
-                poses[at : at + PIECE] = unit
-        return poses
+        return given
+
+    def _checked(self, part: Array) -> Array:
+        """Return rows of q as numbers whose turns are of unit length, or say what they are not."""
+        return unit_rows(self.mechanism.kinematics.model, as_numbers(part, "q"))

@@ -68,21 +68,35 @@ class Closing:
             self.mechanism.configuration(start[index])  # says how far the loops are open
 
     def close(
-        self, piece: Piece, start: Array, values: Array, whose: str, most_steps: int | None = None
-    ) -> tuple[Array, Array, Statuses]:
-        """Return q, share and status of one piece.
+        self,
+        piece: Piece,
+        paths: tuple[Array, Array],
+        whose: str,
+        found: tuple[Array, Array, Statuses],
+        *,
+        most_steps: int | None = None,
+    ) -> None:
+        """Find q, share and status of one piece, of paths from closed q to motor values.
 
         With so few steps, what is not certain by them has the status NOT_DONE.
         """
-        q, share, settled = self.together(start, values, piece.go_on, most_steps)
-        # Another branch may have more rank than home's, of which the program knows nothing.
-        full = self.mechanism.problem.partition.full
-        settled &= (share == 1.0) | (full & (share > 0.0))
-        for index in piece.each(~settled) if most_steps is None else ():
-            q[index], share[index] = close_one(self.mechanism, start[index], values[index])
-        status = np.where(share == 1.0, Status.CLOSED, Status.STOPPED).astype(np.int8)
-        if most_steps is not None:
-            status[~settled] = Status.NOT_DONE
+        (start, values), (q, share, status) = paths, found
+        settled = self.together(start, values, (q, share), piece.go_on, most_steps)
+        status[:] = Status.CLOSED
+        arrived = share == 1.0
+        if not arrived.all():
+            # Another branch may have more rank than home's, of which the program knows nothing.
+            full = self.mechanism.problem.partition.full
+            settled &= arrived | (full & (share > 0.0))
+            for index in piece.each(~settled) if most_steps is None else ():
+                q[index], share[index] = close_one(self.mechanism, start[index], values[index])
+            status[share != 1.0] = Status.STOPPED
+            if most_steps is not None:
+                status[~settled] = Status.NOT_DONE
+        self._keep_to_limits(whose, values, q, status)
+
+    def _keep_to_limits(self, whose: str, values: Array, q: Array, status: Statuses) -> None:
+        """Say of which poses some are beyond."""
         coordinates = self.mechanism.coordinates
         if whose != "none":
             motors = self.mechanism.problem.partition.actuated
@@ -90,27 +104,39 @@ class Closing:
         if whose == "all":
             beyond = beyond_limits(coordinates, q)
             status[beyond & (status == Status.CLOSED)] = Status.LIMITS
-        return q, share, status
 
     def together(
         self,
         start: Array,
         values: Array,
+        ends: tuple[Array, Array],
         go_on: GoOn = lambda: None,
         most_steps: int | None = None,
-    ) -> tuple[Array, Array, Mask]:
-        """Walk all paths by the program; return q, share, and of which this is certain."""
-        coordinates, partition = self.mechanism.coordinates, self.mechanism.problem.partition
+    ) -> Mask:
+        """Walk all paths by the program; find q and share, and return of which this is certain."""
+        q, share = ends
+        partition = self.mechanism.problem.partition
         # Without a walker, or where some motors lead and others are led, single calls know the way.
         if self.walker is None or partition.constraint_rank > partition.passive_rank:
-            return start.copy(), np.zeros(len(values)), np.zeros(len(values), dtype=bool)
-        motors, most = partition.actuated, most_steps or MOST_STEPS
-        displacement = values - coordinates.values_of(start, motors)
-        turns = np.round(displacement / (2.0 * np.pi)) * coordinates.wraps[motors]
-        displacement -= 2.0 * np.pi * turns
-        walker = self.lanes or self.walker
-        paths = walker.walk(start, displacement, values, go_on, most)
+            q[:], share[:] = start, 0.0
+            return np.zeros(len(values), dtype=bool)
+        displacement = self._displacement(start, values)
+        walker, most = self.lanes or self.walker, most_steps or MOST_STEPS
+        paths = walker.walk(start, displacement, values, go_on, most, ends=ends)
+        arrived: Mask = share == 1.0
+        if arrived.all():  # so they are within so many steps
+            return arrived
         # Where a path is too long for any number of steps, single calls say so without a step.
         far = np.linalg.norm(displacement / partition.motor_scale, axis=1)
-        within = far <= MOST_STEPS * LARGEST_STEP * partition.length
-        return paths.q, paths.share, paths.settled & within
+        within: Mask = far <= MOST_STEPS * LARGEST_STEP * partition.length
+        return paths.settled & within
+
+    def _displacement(self, start: Array, values: Array) -> Array:
+        """Return how far the motors go, which turn endlessly the shorter way."""
+        coordinates, motors = self.mechanism.coordinates, self.mechanism.problem.partition.actuated
+        at_rest = coordinates.values_of(start if start.strides[0] else start[:1], motors)
+        displacement: Array = values - at_rest
+        if (wraps := coordinates.wraps[motors]).any():
+            turns = np.round(displacement / (2.0 * np.pi)) * wraps
+            displacement -= 2.0 * np.pi * turns
+        return displacement

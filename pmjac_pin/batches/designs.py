@@ -16,8 +16,16 @@ import numpy as np
 from pmjac_pin.algebra.tape import Tape
 from pmjac_pin.algebra.tape_runner import run
 from pmjac_pin.batches.judge import certain_jacobians
-from pmjac_pin.batches.measures import measured, with_extremes
-from pmjac_pin.batches.results import ManyClosed, ManyJacobians, ManyMeasures, Status, Statuses
+from pmjac_pin.batches.measures import fill_measures, with_extremes
+from pmjac_pin.batches.results import (
+    ManyClosed,
+    ManyJacobians,
+    ManyMeasures,
+    Status,
+    Statuses,
+    empty_arrays,
+    shapes_of,
+)
 from pmjac_pin.closing.closure import HARDLY_ANYTHING, LARGEST_STEP, MOST_STEPS
 from pmjac_pin.closing.closure_problem import CLOSURE_TOLERANCE, ClosureProblem
 from pmjac_pin.closing.design_homes import DesignHomes, DesignsOfFile
@@ -129,7 +137,11 @@ class DesignBatch:
         n, partition = self._motors.size, replace(self._problem.partition, size=0.0)
         by = partial(run, self._programs.measures)
         told, extremes = with_extremes(by, self._inputs(q), DOUBTS + 6 * n + 15, partition)
-        return measured(*self._judged(told), told[DOUBTS + 6 * n :], extremes, partition)
+        found = empty_arrays(ManyMeasures, shapes_of(ManyMeasures, len(q), n))
+        J_eq, found[1][:] = self._judged(told)
+        found[0][:] = J_eq.transpose(2, 0, 1)
+        fill_measures(told[DOUBTS + 6 * n :], extremes, partition, found)
+        return ManyMeasures(*found)
 
     def moves(self) -> Mask:
         """Tell of which poses' designs the motors lead away from home, and K* can follow there.

@@ -6,8 +6,7 @@ and so programs, for each of them, and often but a few poses.
 
 from __future__ import annotations
 
-from dataclasses import replace
-from typing import Any
+from dataclasses import fields, replace
 
 import numpy as np
 import pinocchio as pin
@@ -17,7 +16,14 @@ from pmjac_pin.batches.batch import Batch
 from pmjac_pin.batches.closing import Closing
 from pmjac_pin.batches.one_by_one import jacobian_of_one, measures_of_one
 from pmjac_pin.batches.pieces import Progress
-from pmjac_pin.batches.results import ManyEllipsoids, ManyJacobians, ManyMeasures
+from pmjac_pin.batches.results import (
+    ManyEllipsoids,
+    ManyJacobians,
+    ManyMeasures,
+    Status,
+    empty_arrays,
+    shapes_of,
+)
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.reference_frame import frame_name
 
@@ -42,7 +48,7 @@ class FewPoses(Batch):
         progress: Progress | None = None,
     ) -> ManyJacobians:
         """Return J_eq at closed poses."""
-        poses, name = self._poses(q), frame_name(frame)
+        poses, name = self._checked(self._poses(q)), frame_name(frame)
         J_eq = np.empty((len(poses), 6, len(self.mechanism.actuated)))
         status = np.zeros(len(poses), dtype=np.int8)
         for k, pose in enumerate(poses):
@@ -60,16 +66,12 @@ class FewPoses(Batch):
         self, q: ArrayLike, *, threads: int | None = None, progress: Progress | None = None
     ) -> ManyMeasures:
         """Return what `Batch.measures` does."""
-        poses = self._poses(q)
-        count, n = len(poses), len(self.mechanism.actuated)
-        shapes: dict[str, tuple[int, ...]] = {
-            "J_eq": (6, n), "status": (), "velocity_radii": (3,), "angular_radii": (3,),
-            "smallest": (), "condition": (), "position": (3,), "rotation": (3, 3),
-        }  # fmt: skip
-        found: dict[str, Any] = {
-            name: np.full((count, *shape), np.nan) for name, shape in shapes.items()
-        }
-        found["status"] = np.zeros(count, dtype=np.int8)
+        poses = self._checked(self._poses(q))
+        shapes = shapes_of(ManyMeasures, len(poses), len(self.mechanism.actuated))
+        arrays = empty_arrays(ManyMeasures, shapes)
+        for array in arrays:
+            array[:] = np.nan if array.dtype == np.float64 else Status.CLOSED
+        found = dict(zip((one.name for one in fields(ManyMeasures)), arrays, strict=True))
         for k, pose in enumerate(poses):
             for name, value in measures_of_one(self.mechanism, pose).items():
                 found[name][k] = value

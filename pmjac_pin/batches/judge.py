@@ -8,7 +8,7 @@ import numpy as np
 
 from pmjac_pin.batches.one_by_one import jacobian_of_one
 from pmjac_pin.batches.pieces import Piece
-from pmjac_pin.batches.results import Statuses
+from pmjac_pin.batches.results import Status, Statuses
 from pmjac_pin.closing.recorded_rates import DOUBTS, SPREAD
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.twist_frame import FrameName
@@ -17,7 +17,7 @@ from pmjac_pin.rates.rank_bounds import RankBounds
 from pmjac_pin.values.arrays import Array, Mask
 
 _BY_SINGLE_CALLS = 1e-4  # σ_min of K*, relative: above, rounding is that of 12 digits, unrefined
-_FELT = 1e-13  # of the tool's motion: what idle motions may do to it by rounding
+FELT = 1e-13  # of the tool's motion: what idle motions may do to it by rounding
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -27,27 +27,30 @@ class Judge:
     Attributes
     ----------
     mechanism : Mechanism
-    partition : Partition
     """
 
     mechanism: Mechanism
-    partition: Partition
 
-    def judged(
-        self, piece: Piece, poses: Array, found: Array, frame: FrameName
-    ) -> tuple[Array, Statuses]:
-        """Return J_eq (6, n, N) of what a tape found, where that is certain, else of single calls.
-
-        What is found is the single calls' then.
-        """
-        partition, n = self.partition, len(self.mechanism.actuated)
-        certain = certain_jacobians(partition, self.mechanism.problem.tolerance, found)
-        J_eq = found[DOUBTS : DOUBTS + 6 * n]
-        status = np.zeros(len(poses), dtype=np.int8)
+    def settle(
+        self,
+        piece: Piece,
+        poses: Array,
+        certain: Mask,
+        frame: FrameName,
+        found: tuple[Array, Statuses],
+    ) -> None:
+        """Leave J_eq (N, 6, n) of a program where it is certain; put single calls' elsewhere."""
+        J_eq, status = found
+        status[:] = Status.CLOSED
+        if certain.all():
+            return
         for index in piece.each(~certain):
-            single, status[index] = jacobian_of_one(self.mechanism, poses[index], frame)
-            J_eq[:, index] = np.ravel(single)
-        return J_eq.reshape(6, n, -1), status
+            J_eq[index], status[index] = jacobian_of_one(self.mechanism, poses[index], frame)
+
+
+def rank_bounds(partition: Partition) -> RankBounds:
+    """Return what K* is asked to keep to."""
+    return RankBounds.of(partition, weakest=_BY_SINGLE_CALLS)
 
 
 def certain_jacobians(partition: Partition, tolerance: Array | float, told: Array) -> Mask:
@@ -62,7 +65,7 @@ def certain_jacobians(partition: Partition, tolerance: Array | float, told: Arra
         As `RecordedRates.jacobian_tape` says it.
     """
     gap, inverse, size, forbidden, felt, tool, spread = told[:DOUBTS]
-    bounds = RankBounds.of(partition, weakest=_BY_SINGLE_CALLS)
+    bounds = rank_bounds(partition)
     certain = bounds.regular(inverse, size) & bounds.follows(forbidden, size)
-    certain &= (gap <= tolerance) & (felt <= _FELT * tool) & (spread > SPREAD)
+    certain &= (gap <= tolerance) & (felt <= FELT * tool) & (spread > SPREAD)
     return np.asarray(certain & (not partition.isolated))

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pmjac_pin.algebra.singular_values import singular_values
-from pmjac_pin.batches.results import ManyEllipsoids, ManyMeasures, Status, Statuses
-from pmjac_pin.rates.ellipse import flattened
+from pmjac_pin.batches.results import Status
+from pmjac_pin.rates.many_radii import fill_radii
 from pmjac_pin.rates.partition import Partition
-from pmjac_pin.rates.tool_reach import RADIUS_ROUNDING
 from pmjac_pin.values.arrays import Array
 
 _TOGETHER = 512  # poses whose matrices like K* stay in the processor's cache
@@ -47,67 +48,50 @@ def with_extremes(
     return told, extremes
 
 
-def with_radii(J_eq: Array, status: Statuses, sizes: Array) -> ManyEllipsoids:
-    """Return the radii of poses.
+def fill_nearness(
+    extremes: Array, size: Array, partition: Partition, smallest: Array, condition: Array
+) -> None:
+    """Find `Singularity.smallest` and `condition` of poses, shape (N,).
 
     Parameters
     ----------
-    J_eq, status : ndarray, shapes (6, n, N) and (N,)
-    sizes : ndarray, shape (2, N)
-        What the linear and the angular entries are compared with.
+    extremes : ndarray, shape (2, N)
+        As `with_extremes` returns them.
+    size : ndarray, shape (N,)
+        ‖[K K*]‖.
+    partition : Partition
+    smallest, condition : ndarray, shape (N,)
+        Where they go.
     """
-    return ManyEllipsoids(
-        J_eq=J_eq.transpose(2, 0, 1),
-        status=status,
-        velocity_radii=_radii_of_blocks(J_eq[:3], sizes[0]).T,
-        angular_radii=_radii_of_blocks(J_eq[3:], sizes[1]).T,
-    )
+    condition[:] = np.inf
+    if not partition.passive_rank:
+        smallest[:], condition[:] = np.inf, 1.0
+        return
+    largest, smallest[:] = extremes / np.maximum(size, partition.least_size)
+    np.divide(largest, smallest, out=condition, where=smallest > 0.0)
 
 
-def measured(
-    J_eq: Array, status: Statuses, told: Array, extremes: Array, partition: Partition
-) -> ManyMeasures:
-    """Return the measures of poses.
+def fill_measures(
+    told: Array, extremes: Array, partition: Partition, found: Sequence[NDArray[Any]]
+) -> None:
+    """Find what is measured at poses whose J_eq is settled.
 
     Parameters
     ----------
-    J_eq, status : ndarray, shapes (6, n, N) and (N,)
     told : ndarray, shape (15, N)
         What `RecordedRates.measures_tape` gives between J_eq and the last.
     extremes : ndarray, shape (2, N)
         As `with_extremes` returns them.
     partition : Partition
+    found : sequence of ndarray
+        The arrays of `ManyMeasures`: the first two are known, the others are filled.
     """
+    J_eq, status, linear, angular, smallest, condition, position, rotation = found
+    fill_radii(J_eq, told[1:3], linear, angular)
+    fill_nearness(extremes, told[0], partition, smallest, condition)
+    position[:] = told[3:6].T
+    rotation[:] = told[6:].reshape(3, 3, -1).transpose(2, 0, 1)
     is_open = status == Status.OPEN
-    smallest, condition = _nearness(extremes, told[0], partition)
-    smallest[is_open] = condition[is_open] = np.nan
-    tool = np.where(is_open, np.nan, told[3:])
-    return ManyMeasures(
-        **vars(with_radii(J_eq, status, told[1:3])),
-        smallest=smallest,
-        condition=condition,
-        position=tool[:3].T,
-        rotation=tool[3:].reshape(3, 3, -1).transpose(2, 0, 1),
-    )
-
-
-def _radii_of_blocks(block: Array, size: Array) -> Array:
-    """Return singular values of (3, n, N) blocks, (3, N), zero where they are rounding."""
-    radii = np.zeros((3, block.shape[2]))
-    values = singular_values(block)
-    radii[: len(values)] = values
-    flat = flattened(radii, radii[0])
-    flat[flat <= RADIUS_ROUNDING * size] = 0.0
-    flat[:, np.isnan(radii).any(axis=0)] = np.nan
-    return flat
-
-
-def _nearness(extremes: Array, size: Array, partition: Partition) -> tuple[Array, Array]:
-    """Return `Singularity.smallest` and `condition`."""
-    count = size.size
-    if not partition.passive_rank:
-        return np.full(count, np.inf), np.ones(count)
-    largest, smallest = extremes / np.maximum(size, partition.least_size)
-    condition = np.full(count, np.inf)
-    np.divide(largest, smallest, out=condition, where=smallest > 0.0)
-    return smallest.copy(), condition
+    if is_open.any():
+        for array in (smallest, condition, position, rotation):
+            array[is_open] = np.nan

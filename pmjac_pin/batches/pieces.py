@@ -7,20 +7,17 @@ interrupts is not lost.
 from __future__ import annotations
 
 import os
+from collections import deque
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import Executor, ThreadPoolExecutor, wait
-from dataclasses import fields
-from threading import Event, Lock
+from threading import Event, Thread
 from typing import Any, TypeAlias, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pmjac_pin.algebra.tape import Tape
-from pmjac_pin.algebra.tape_runner import run
-from pmjac_pin.batches.results import Status
+from pmjac_pin.batches.results import Status, empty_arrays
 from pmjac_pin.errors import ArgumentError, Interrupted, quoted
-from pmjac_pin.values.arrays import Array, Mask, ReadOnlyArrays, sealed
+from pmjac_pin.values.arrays import Mask, ReadOnlyArrays, sealed
 from pmjac_pin.values.checks import check_callable
 
 PIECE = 4096  # poses: they fill the kernel's lanes, and some MB
@@ -38,6 +35,8 @@ class Piece:
         Which poses.
     """
 
+    __slots__ = ("_interrupted", "at")
+
     def __init__(self, at: slice, interrupted: Event) -> None:
         self.at, self._interrupted = at, interrupted
 
@@ -46,11 +45,6 @@ class Piece:
         for index in np.flatnonzero(of).tolist():
             self.go_on()
             yield index
-
-    def run(self, tape: Tape, inputs: Array) -> Array:
-        """Run a tape."""
-        self.go_on()
-        return run(tape, inputs)
 
     def go_on(self) -> None:
         """Raise where nobody waits for this any longer."""
@@ -62,7 +56,8 @@ class _GivenUp(Exception):
     """Ends a piece; nobody sees it."""
 
 
-PieceWork: TypeAlias = Callable[[Piece], Sequence[NDArray[Any]]]
+#: (piece, its part of each array) ↦ nothing: it fills them.
+PieceWork: TypeAlias = Callable[..., object]
 
 
 def gathered(
@@ -82,7 +77,8 @@ def gathered(
     shapes : sequence of tuple of int
         Of its arrays, in their order.
     work : callable
-        Piece ↦ its arrays. Where the pieces end depends on their number alone.
+        Fills the arrays of a piece, ``work(piece, *parts)``. Where the pieces end depends on their
+        number alone.
     threads, progress
         As of `Batch.close`.
     **more
@@ -93,51 +89,49 @@ def gathered(
     ArgumentError, Interrupted
     """
     check_callable(progress, "progress")
-    names = [one.name for one in fields(kind)]
-    found: list[NDArray[Any]] = [
-        np.empty(shape, dtype=np.int8 if name == "status" else np.float64)
-        for name, shape in zip(names, shapes, strict=True)
-    ]
-    filling, pool = _Filling(found, work), ThreadPoolExecutor(thread_count(threads))
+    found = empty_arrays(kind, shapes)
+    filling = _Filling(found, work)
     try:
-        for done in filling.ends(pool):
-            if progress is not None:
-                progress(done, filling.count)
-        pool.shutdown()
-    except BaseException as stopped:
-        filling.give_up()  # nothing is written any more: threads are not waited for
-        pool.shutdown(wait=False, cancel_futures=True)
-        if not isinstance(stopped, KeyboardInterrupt):
-            raise
+        filling.fill(thread_count(threads), progress)
+    except KeyboardInterrupt:
         told = f"{filling.blank()} of {filling.count} poses"
         raise interrupted(told, kind(*map(sealed, found), **more)) from None
     return kind(*map(sealed, found), **more)
 
 
 class _Filling:
-    """Arrays of many poses, filled piece by piece, and the pieces that are left."""
+    """Arrays of many poses, filled piece by piece, and the pieces that are left.
+
+    Threads take the pieces in their order, the caller's own among them. What they share are
+    collections, of which each single operation is whole.
+    """
 
     def __init__(self, found: Sequence[NDArray[Any]], work: PieceWork) -> None:
         self.count, self._found, self._work = len(found[0]), found, work
         starts = range(0, self.count, PIECE)
         self._left = {at: slice(at, min(at + PIECE, self.count)) for at in starts}
-        self._given_up, self._writing = Event(), Lock()
+        self._waiting, self._ended = deque(starts), deque[int]()
+        self._failed: dict[int, Exception] = {}
+        self._given_up = Event()
 
-    def ends(self, pool: Executor) -> Iterator[int]:
-        """Fill the arrays; yield where pieces end, in their order: so the same error is first."""
-        starts = list(self._left)
-        if len(starts) < 2:  # one alone needs no other thread
-            yield from map(self._fill, starts)
-            return
-        for task in [pool.submit(self._fill, at) for at in starts]:
-            while not task.done():
-                wait([task], _HEARING)
-            yield task.result()
-
-    def give_up(self) -> None:
-        """Let nothing be written any more."""
-        with self._writing:
+    def fill(self, threads: int, progress: Progress | None) -> None:
+        """Fill the arrays; raise what went wrong in the first of the pieces where something did."""
+        told = _Told(progress, self.count, self._ended)
+        helpers = [Thread(target=self._help) for _ in range(min(threads, len(self._left)) - 1)]
+        try:
+            for helper in helpers:
+                helper.start()
+            for _ in self._pieces():
+                told.on()
+            _wait(helpers)
+            told.on()
+        except BaseException:
+            self._waiting.clear()
             self._given_up.set()
+            _wait(helpers)  # each to its next step: nothing is written any more
+            raise
+        for at in sorted(self._failed)[:1]:
+            raise self._failed[at]
 
     def blank(self) -> int:
         """Say of the pieces that are left that they are not done; return how many poses are."""
@@ -147,15 +141,50 @@ class _Filling:
                 array[piece] = nothing
         return self.count - sum(piece.stop - piece.start for piece in self._left.values())
 
-    def _fill(self, at: int) -> int:
+    def _help(self) -> None:
+        for _ in self._pieces():
+            pass
+
+    def _pieces(self) -> Iterator[None]:
+        """Fill pieces for as long as there are any; yield after each."""
+        while self._waiting:
+            try:
+                at = self._waiting.popleft()
+            except IndexError:  # another thread has taken it
+                return
+            try:
+                self._fill(at)
+            except Exception as error:  # raised by `fill`
+                self._failed[at] = error
+                self._waiting.clear()
+                return
+            yield
+
+    def _fill(self, at: int) -> None:
         piece = Piece(self._left[at], self._given_up)
-        piece.go_on()
-        parts = self._work(piece)
-        with self._writing:
-            piece.go_on()
-            for whole, part in zip(self._found, parts, strict=True):
-                whole[piece.at] = part
-            return self._left.pop(at).stop
+        self._work(piece, *(array[piece.at] for array in self._found))
+        del self._left[at]
+        self._ended.append(piece.at.stop - at)
+
+
+class _Told:
+    """Says how many poses are done to whom it was asked to."""
+
+    def __init__(self, progress: Progress | None, count: int, ended: deque[int]) -> None:
+        self._progress, self._count, self._ended, self._done = progress, count, ended, 0
+
+    def on(self) -> None:
+        """Say it, where more are done than when it was said before."""
+        while self._ended and self._progress is not None:
+            while self._ended:
+                self._done += self._ended.popleft()
+            self._progress(self._done, self._count)
+
+
+def _wait(threads: Sequence[Thread]) -> None:
+    for thread in threads:
+        while thread.is_alive():
+            thread.join(_HEARING)
 
 
 def interrupted(what: str, done: object) -> Interrupted:

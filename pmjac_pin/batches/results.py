@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import InitVar, dataclass, field
+from collections.abc import Sequence
+from dataclasses import InitVar, dataclass, field, fields
 from enum import IntEnum
-from functools import cached_property
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -55,7 +55,7 @@ class ManyClosed(ReadOnlyArrays):
         super().__post_init__()
         self.__dict__["_coordinates"] = coordinates
 
-    @cached_property
+    @property
     def beyond_limits(self) -> Mask:
         """Where a joint is beyond its limits, motors or others, shape (N,); False with no pose.
 
@@ -165,3 +165,25 @@ class ManyMeasures(ManyEllipsoids):
     condition: Array
     position: Array
     rotation: Array
+
+
+_OF_ONE_POSE: dict[str, tuple[int, ...]] = {  # less the motors, which are -1
+    "J_eq": (6, -1), "status": (), "velocity_radii": (3,), "angular_radii": (3,),
+    "smallest": (), "condition": (), "position": (3,), "rotation": (3, 3),
+}  # fmt: skip
+
+
+def shapes_of(kind: type[ManyJacobians], count: int, motors: int) -> list[tuple[int, ...]]:
+    """Return the shapes of the arrays of so many poses, in their order."""
+    of_one = (_OF_ONE_POSE[one.name] for one in fields(kind))
+    return [(count, *(motors if size < 0 else size for size in shape)) for shape in of_one]
+
+
+def empty_arrays(
+    kind: type[ReadOnlyArrays], shapes: Sequence[tuple[int, ...]]
+) -> list[NDArray[Any]]:
+    """Return arrays of results that are to be filled: statuses, and numbers."""
+    return [
+        np.empty(shape, dtype=np.int8 if one.name == "status" else np.float64)
+        for one, shape in zip(fields(kind), shapes, strict=True)
+    ]

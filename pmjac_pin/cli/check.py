@@ -8,7 +8,6 @@ from pmjac_pin.cli.options import Choice, NameOption
 from pmjac_pin.cli.output import Json, Output, Verdict
 from pmjac_pin.studies.check.diagnosis_maker import check
 from pmjac_pin.words.diagnosis_tables import diagnosis_blocks
-from pmjac_pin.words.plain import to_json
 
 
 def check_command(
@@ -17,5 +16,5 @@ def check_command(
     """Show what a model is made of and what is wrong with it; exit status 1 for an error."""
     parameters, keywords = choice.parameters(), choice.reading.keywords()
     diagnosis = check(mechanism, parameters=parameters, **keywords)
-    output: Output = f"{to_json(asdict(diagnosis))}\n" if json else diagnosis_blocks(diagnosis)
+    output: Output = asdict(diagnosis) if json else diagnosis_blocks(diagnosis)
     return Verdict(output, 1 if diagnosis.severity == "error" else 0)

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from cyclopts import Parameter
-
-from pmjac_pin.cli.options import NameOption, Reading
+from pmjac_pin.cli.options import Force, NameOption, Reading, output_option
 from pmjac_pin.cli.output import Output
 from pmjac_pin.studies.convert import convert
 from pmjac_pin.words.terminal import one_line
@@ -16,11 +14,9 @@ def convert_command(
     mechanism: NameOption,
     /,
     *,
-    output: Annotated[
-        str, Parameter(name=["--output", "-o"], help="The new model file, such as mine.toml.")
-    ],
+    output: Annotated[str, output_option("The new model file, such as mine.toml.")],
     reading: Reading = Reading(),
-    force: Annotated[bool, Parameter(help="Replace files that exist.")] = False,
+    force: Force = False,
 ) -> Output:
     """Write a model file and its URDF from any format; print their paths."""
     written = convert(mechanism, output, force=force, **reading.keywords())

@@ -6,7 +6,7 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from pmjac_pin.cli.options import Choice, NameOption
+from pmjac_pin.cli.options import Choice, Force, NameOption, output_option
 from pmjac_pin.cli.output import Output
 from pmjac_pin.loading import load
 from pmjac_pin.studies.export.export import export
@@ -18,11 +18,9 @@ def export_command(
     /,
     *,
     to: Annotated[str, Parameter(help="The format: mjcf, sdf, extended-urdf, urdf-plus or toml.")],
-    output: Annotated[
-        str, Parameter(name=["--output", "-o"], help="The new file, such as robot.xml.")
-    ],
+    output: Annotated[str, output_option("The new file, such as robot.xml.")],
     choice: Choice = Choice(),
-    force: Annotated[bool, Parameter(help="Replace files that exist.")] = False,
+    force: Force = False,
 ) -> Output:
     """Write a mechanism, closed, for another program; print the files' paths."""
     machine = load(mechanism, choice.parameters(), **choice.reading.keywords())

@@ -2,22 +2,20 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
 from cyclopts import Parameter
-from rich.console import Console
-from rich.progress import Progress
 
 from pmjac_pin.cli.exit_status import INTERRUPTED
-from pmjac_pin.cli.options import Choice, NameOption
+from pmjac_pin.cli.options import Choice, Force, NameOption, check_output, output_option
 from pmjac_pin.cli.output import Json, Verdict
-from pmjac_pin.errors import Interrupted, OutputError
-from pmjac_pin.files.output_file import check_new, write_files
-from pmjac_pin.files.user_path import shown_path, user_path
+from pmjac_pin.cli.progress_bar import progress_bar
+from pmjac_pin.errors import Interrupted
+from pmjac_pin.files.output_file import write_files
+from pmjac_pin.files.user_path import user_path
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.studies.follow.follow import follow
 from pmjac_pin.studies.follow.tool_course import TOOL_COORDINATES
@@ -57,8 +55,7 @@ class Way:
     def followed(self, mechanism: Mechanism) -> Trajectory:
         """Follow it, with a bar where somebody watches."""
         given = read_waypoints(user_path(self.waypoints))
-        with Progress(console=Console(stderr=True), disable=not sys.stderr.isatty()) as bar:
-            task = bar.add_task("t", total=None)
+        with progress_bar("t") as progress:
             return follow(
                 mechanism,
                 given.columns,
@@ -69,7 +66,7 @@ class Way:
                 enforce_limits=mechanism.spec.enforce_limits,
                 singularity="pass" if self.pass_ else "stop",
                 certified=self.certified,
-                progress=lambda t, end: bar.update(task, completed=t, total=end),
+                progress=progress,
             )
 
 
@@ -85,17 +82,14 @@ def follow_command(
     /,
     *,
     way: Way,
-    output: Annotated[
-        str | None,
-        Parameter(name=["--output", "-o"], help="Write the poses, too: a .csv or .json."),
-    ] = None,
-    force: Annotated[bool, Parameter(help="Replace a file that exists.")] = False,
+    output: Annotated[str | None, output_option("Write the poses, too: a .csv or .json.")] = None,
+    force: Force = False,
     json: Json = False,
     choice: Choice = Choice(),
 ) -> Verdict:
     """Follow a path of the motors, or of the tool, on one mode, and tell what happens on it."""
     if output is not None:
-        _check_output_path(output, force)
+        check_output(output, _WRITTEN, force)
     try:
         found, status = way.followed(choice.load(mechanism)), 0
     except Interrupted as interrupt:
@@ -103,20 +97,10 @@ def follow_command(
     if not (found.reached or status):
         status = 1
     if output is not None:
-        data = trajectory_csv(found) if output.endswith(".csv") else _json(found)
+        in_csv = output.endswith(".csv")
+        data = trajectory_csv(found) if in_csv else f"{to_json(trajectory_told(found))}\n"
         write_files({Path(output): data.encode()}, replace=force)
     if json:
-        return Verdict(_json(found), status)
+        return Verdict(trajectory_told(found), status)
     written = [] if output is None else [Verbatim(output)]
     return Verdict([*trajectory_blocks(found), *written], status)
-
-
-def _json(found: Trajectory) -> str:
-    return f"{to_json(trajectory_told(found))}\n"
-
-
-def _check_output_path(path: str, force: bool) -> None:
-    """Refuse, before anything is computed, what cannot be written."""
-    if Path(path).suffix not in _WRITTEN:
-        raise OutputError(f"{shown_path(path)}: what is written ends in .csv or .json")
-    check_new(path, force)

@@ -15,9 +15,7 @@ def list_command(*, json: Json = False) -> Output:
     kept = kept_numbers()
     mechanisms = [kept.get(name) or _computed(name) for name in list_mechanisms()]
     if json:
-        from pmjac_pin.words.plain import to_json  # noqa: PLC0415 (of all that is told of poses)
-
-        return f"{to_json({one.name: asdict(one) for one in mechanisms})}\n"
+        return {one.name: asdict(one) for one in mechanisms}
     return [catalogue_table(mechanisms), poses_table(mechanisms)]
 
 

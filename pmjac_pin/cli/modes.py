@@ -8,19 +8,17 @@ from typing import Annotated, TypeAlias
 
 from cyclopts import Parameter
 
-from pmjac_pin.cli.options import At, Choice, NameOption, parsed_values
+from pmjac_pin.cli.options import At, Choice, NameOption, output_option, parsed_values
 from pmjac_pin.cli.output import Json, Output
 from pmjac_pin.errors import ArgumentError
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.pictures.figures import check_figure_file, save_pages
 from pmjac_pin.pictures.mode_sheet import modes_figures
-from pmjac_pin.studies.homotopy.parameter_homotopy import ParameterHomotopy, parameter_homotopy
-from pmjac_pin.studies.modes.assembly_modes import AssemblyModes
+from pmjac_pin.studies.homotopy.parameter_homotopy import parameter_homotopy
 from pmjac_pin.studies.modes.find import assembly_modes
 from pmjac_pin.words.blocks import Block, Verbatim
 from pmjac_pin.words.modes_report import ModesReport, make_modes_report
 from pmjac_pin.words.modes_tables import modes_blocks
-from pmjac_pin.words.plain import to_json
 
 Given: TypeAlias = Sequence[float] | Mapping[str, float]
 
@@ -53,36 +51,28 @@ class Search:
     def report(self, mechanism: Mechanism, values: Given) -> ModesReport:
         """Return the closed poses at these motor values, and what is known of them."""
         homotopy = None
+        limits = mechanism.spec.enforce_limits and not self.no_limits
         if self.homotopy or self.operation_modes:
             homotopy = parameter_homotopy(mechanism, rng=self.seed)
-        modes = self._modes(mechanism, values, homotopy)
-        return make_modes_report(
-            mechanism,
-            values,
-            modes,
-            limits=mechanism.spec.enforce_limits and not self.no_limits,
-            solutions=homotopy.at(values) if homotopy else None,
-            operation_modes=homotopy.operation_modes(rng=self.seed)
-            if homotopy and self.operation_modes
-            else None,
-        )
-
-    def _modes(
-        self,
-        mechanism: Mechanism,
-        values: Given,
-        homotopy: ParameterHomotopy | None,
-    ) -> AssemblyModes:
-        return assembly_modes(
+        modes = assembly_modes(
             mechanism,
             values,
             rng=self.seed,
-            limits=mechanism.spec.enforce_limits and not self.no_limits,
+            limits=limits,
             unseen=self.unseen,
             confidence=self.confidence,
             most_starts=self.most_starts,
             proof=not self.no_proof,
             homotopy=homotopy,
+        )
+        together = homotopy if self.operation_modes else None
+        return make_modes_report(
+            mechanism,
+            values,
+            modes,
+            limits=limits,
+            solutions=None if homotopy is None else homotopy.at(values),
+            operation_modes=None if together is None else together.operation_modes(rng=self.seed),
         )
 
 
@@ -99,8 +89,7 @@ def modes_command(
     search: Search = Search(),
     json: Json = False,
     output: Annotated[
-        str | None,
-        Parameter(name=["--output", "-o"], help="Draw the modes, too: a .png, .pdf or .svg."),
+        str | None, output_option("Draw the modes, too: a .png, .pdf or .svg.")
     ] = None,
 ) -> Output:
     """Find all closed poses at these motor values, and say what is known of their number."""
@@ -112,7 +101,7 @@ def modes_command(
     drawn: list[Block] = []
     if output is not None:
         drawn = [Verbatim(str(path)) for path in save_pages(modes_figures(report), output)]
-    return f"{to_json(report.told())}\n" if json else [*modes_blocks(report), *drawn]
+    return report.told() if json else [*modes_blocks(report), *drawn]
 
 
 def _motor_values(mechanism: Mechanism, at: str | None, pose: str | None) -> Given:

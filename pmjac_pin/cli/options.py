@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from typing import Annotated, Any, TypeAlias
+from pathlib import Path
+from typing import Annotated, Any, TypeAlias, TypeVar
 
 # As long as Ctrl-C ends all silently, not when the first loop is closed.
 import scipy.linalg.lapack  # noqa: F401
 from cyclopts import Parameter
 
 from pmjac_pin.configuration import Configuration
-from pmjac_pin.errors import ArgumentError, quoted
+from pmjac_pin.errors import ArgumentError, OutputError, quoted
+from pmjac_pin.files.output_file import check_new
+from pmjac_pin.files.user_path import shown_path
 from pmjac_pin.loading import load
 from pmjac_pin.mechanism import Mechanism
 
@@ -25,6 +28,22 @@ At: TypeAlias = Annotated[
 FrameOption: TypeAlias = Annotated[
     str, Parameter(help="Of the twist: LOCAL, WORLD or LOCAL_WORLD_ALIGNED (default).")
 ]
+
+Force: TypeAlias = Annotated[bool, Parameter(help="Replace files that exist.")]
+Read = TypeVar("Read")
+
+
+def output_option(told: str) -> Parameter:
+    """Return the option of a file that is written."""
+    return Parameter(name=["--output", "-o"], help=told)
+
+
+def check_output(path: str, suffixes: Sequence[str], force: bool) -> None:
+    """Refuse, before anything is computed, what cannot be written."""
+    if Path(path).suffix not in suffixes:
+        ends = f"what is written ends in one of {', '.join(suffixes)}"
+        raise OutputError(f"{shown_path(path)}: {ends}")
+    check_new(path, force)
 
 
 @Parameter(name="*")
@@ -127,31 +146,32 @@ class PoseOption:
 
 def numbers_by_name(option: str, items: Iterable[str]) -> dict[str, float]:
     """Return the numbers given as NAME=NUMBER."""
-    numbers: dict[str, float] = {}
-    for item in items:
-        name, _, value = map(str.strip, item.partition("="))
-        if name in numbers:
-            raise ArgumentError(f"{option} gives {quoted(name)} twice")
-        try:
-            numbers[name] = float(value)
-        except ValueError:
-            message = f"{option} takes NAME=NUMBER, such as l1=1.2; got {quoted(item)}"
-            raise ArgumentError(message) from None
-    return numbers
+    return _read_by_name(option, items, "NAME=NUMBER, such as l1=1.2", float)
 
 
 def ranges_by_name(option: str, given: str, such_as: str) -> dict[str, tuple[float, float]]:
     """Return where each name begins and ends, given as NAME=FROM:TO joined by commas."""
-    ranges: dict[str, tuple[float, float]] = {}
-    for item in given.split(","):
-        name, _, values = map(str.strip, item.partition("="))
-        lower, _, upper = values.partition(":")
+
+    def ends(text: str) -> tuple[float, float]:
+        lower, _, upper = text.partition(":")
+        return float(lower), float(upper)
+
+    return _read_by_name(option, given.split(","), f"NAME=FROM:TO, such as {such_as}", ends)
+
+
+def _read_by_name(
+    option: str, items: Iterable[str], wanted: str, read: Callable[[str], Read]
+) -> dict[str, Read]:
+    found: dict[str, Read] = {}
+    for item in items:
+        name, _, value = map(str.strip, item.partition("="))
+        if name in found:
+            raise ArgumentError(f"{option} gives {quoted(name)} twice")
         try:
-            ranges[name] = float(lower), float(upper)
+            found[name] = read(value)
         except ValueError:
-            message = f"{option} takes NAME=FROM:TO, such as {such_as}; got {quoted(item)}"
-            raise ArgumentError(message) from None
-    return ranges
+            raise ArgumentError(f"{option} takes {wanted}; got {quoted(item)}") from None
+    return found
 
 
 def parsed_values(option: str, given: str) -> list[float] | dict[str, float]:

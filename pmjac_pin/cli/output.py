@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Annotated, TypeAlias
 
@@ -10,8 +10,8 @@ from cyclopts import Parameter
 
 from pmjac_pin.words.blocks import Block
 
-#: Text as it is, or blocks to be drawn.
-Output: TypeAlias = str | Iterable[Block] | None
+#: Text as it is, plain data to be JSON, or blocks to be drawn.
+Output: TypeAlias = str | Mapping[str, object] | Iterable[Block] | None
 Json: TypeAlias = Annotated[bool, Parameter(help="Write JSON: all digits, SI units.")]
 
 

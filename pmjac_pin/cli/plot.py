@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from cyclopts import Parameter
-
-from pmjac_pin.cli.options import Choice, FrameOption, NameOption, PoseOption
+from pmjac_pin.cli.options import Choice, FrameOption, NameOption, PoseOption, output_option
 from pmjac_pin.cli.output import Output
 from pmjac_pin.pictures.pose_figure import save_pose_figure
 from pmjac_pin.words.blocks import Verbatim
@@ -17,9 +15,7 @@ def plot_command(
     mechanism: NameOption,
     /,
     *,
-    output: Annotated[
-        str, Parameter(name=["--output", "-o"], help="The file: .png, .pdf or .svg.")
-    ],
+    output: Annotated[str, output_option("The file: .png, .pdf or .svg.")],
     pose: PoseOption = PoseOption(),
     frame: FrameOption = "LOCAL_WORLD_ALIGNED",
     choice: Choice = Choice(),

@@ -15,7 +15,6 @@ from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.tool_rows import TWIST_ROWS
 from pmjac_pin.studies.reach.reach import reach
 from pmjac_pin.studies.reach.working_modes import working_modes
-from pmjac_pin.words.plain import to_json
 from pmjac_pin.words.reach_tables import (
     reached_blocks,
     reached_told,
@@ -60,17 +59,14 @@ def reach_command(
     if modes:
         return Verdict(_modes(machine, given, counts, limits, json), 0)
     found = reach(machine, given, mask=counts, guess=from_, limits=limits)
-    output = f"{to_json(reached_told(found))}\n" if json else reached_blocks(found)
-    return Verdict(output, 0 if found else 1)
+    return Verdict(reached_told(found) if json else reached_blocks(found), 0 if found else 1)
 
 
 def _modes(
     machine: Mechanism, target: Any, mask: list[bool] | None, limits: bool, json: bool
 ) -> Output:
     found = working_modes(machine, target, mask=mask, rng=0, limits=limits)
-    if json:
-        return f"{to_json(working_modes_told(machine, found))}\n"
-    return working_modes_blocks(found)
+    return working_modes_told(machine, found) if json else working_modes_blocks(found)
 
 
 def _target(text: str) -> Any:

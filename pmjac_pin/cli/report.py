@@ -15,7 +15,6 @@ from pmjac_pin.cli.options import (
     split_names,
 )
 from pmjac_pin.cli.output import Json, Output
-from pmjac_pin.words.plain import to_json
 from pmjac_pin.words.report import report
 from pmjac_pin.words.tables import report_blocks
 
@@ -55,5 +54,5 @@ def report_command(
     found = report(configuration, frame, **names, **asked, dynamics=dynamics)
     if only is not None:
         tables = {name: found.table(name) for name in split_names(only)}
-        return f"{to_json(tables)}\n" if json else [one.block(name) for name, one in tables.items()]
-    return f"{to_json(found.told())}\n" if json else report_blocks(found)
+        return tables if json else [one.block(name) for name, one in tables.items()]
+    return found.told() if json else report_blocks(found)

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from cyclopts import App, CycloptsError, Parameter, UnusedCliTokensError
+from rich.console import Console
 
 from pmjac_pin.cli.exit_status import INTERRUPTED
-from pmjac_pin.cli.output import Verdict
+from pmjac_pin.cli.output import Output, Verdict
 from pmjac_pin.errors import PmjacError, shortened
 from pmjac_pin.words.terminal import complain, draw, new_console, one_line, write
 
@@ -90,11 +91,21 @@ def _run_app(argv: Sequence[str]) -> int:
             _with_values_joined(argv), console=console, exit_on_error=False, print_error=False
         )
         verdict = output if isinstance(output, Verdict) else Verdict(output, 0)
-        output = verdict.output
-        if output is not None and not isinstance(output, str):
-            draw(console, output)
-    write(output if isinstance(output, str) else capture.get())
+        written = _drawn(console, verdict.output)
+    write(capture.get() if written is None else written)
     return verdict.status
+
+
+def _drawn(console: Console, output: Output) -> str | None:
+    """Draw blocks on the console; return what is text already."""
+    if isinstance(output, Mapping):
+        from pmjac_pin.words.plain import to_json  # noqa: PLC0415 (of all that is told of poses)
+
+        return f"{to_json(output)}\n"
+    if isinstance(output, str):
+        return output
+    draw(console, output or ())
+    return None
 
 
 def _with_values_joined(argv: Sequence[str]) -> list[str]:

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import sys
 from typing import Annotated
 
 import numpy as np
 from cyclopts import Parameter
-from rich.console import Console
-from rich.progress import Progress
 
 from pmjac_pin.batches.results import Status
 from pmjac_pin.cli.output import Output
+from pmjac_pin.cli.progress_bar import progress_bar
 from pmjac_pin.files.user_path import user_path
 from pmjac_pin.studies.sweep.sweep import sweep
 from pmjac_pin.studies.sweep.sweep_file import read_sweep_file
@@ -30,14 +28,8 @@ def sweep_command(
     """Close a mechanism at many values and keep what was measured in a zarr folder."""
     path = user_path(file)
     arguments = read_sweep_file(path).arguments(path.parent)
-    with Progress(console=Console(stderr=True), disable=not sys.stderr.isatty()) as bar:
-        task = bar.add_task("chunks", total=None)
-        found = sweep(
-            **arguments,
-            resume=resume,
-            workers=workers,
-            progress=lambda done, total: bar.update(task, completed=done, total=total),
-        )
+    with progress_bar("chunks") as progress:
+        found = sweep(**arguments, resume=resume, workers=workers, progress=progress)
     counts = np.bincount(found.status.values.ravel(), minlength=len(Status))
     said = ", ".join(f"{counts[one]} {one.name}" for one in Status if counts[one])
     return f"{one_line(str(arguments['out']))}\n{said}\n"

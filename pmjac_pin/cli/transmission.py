@@ -9,10 +9,18 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from pmjac_pin.adapters import ros2_control
-from pmjac_pin.cli.options import Choice, NameOption, ranges_by_name, split_names
+from pmjac_pin.cli.options import (
+    Choice,
+    Force,
+    NameOption,
+    check_output,
+    output_option,
+    ranges_by_name,
+    split_names,
+)
 from pmjac_pin.cli.output import Output
-from pmjac_pin.errors import ArgumentError, OutputError, did_you_mean, quoted
-from pmjac_pin.files.output_file import check_new, write_files
+from pmjac_pin.errors import ArgumentError, did_you_mean, quoted
+from pmjac_pin.files.output_file import write_files
 from pmjac_pin.files.user_path import shown_path
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.pictures.figures import check_figure_file, save_figure
@@ -77,10 +85,9 @@ def transmission_command(
     where: Where,
     output: Annotated[
         list[str] | None,
-        Parameter(
-            name=["--output", "-o"],
-            help="A C header (.h), beside it a plugin for ros2_control (.cpp), a table (.npz, "
-            ".csv) or a figure (.png, .pdf, .svg); may be repeated.",
+        output_option(
+            "A C header (.h), beside it a plugin for ros2_control (.cpp), a table (.npz, .csv) or "
+            "a figure (.png, .pdf, .svg); may be repeated."
         ),
     ] = None,
     name: Annotated[
@@ -91,13 +98,15 @@ def transmission_command(
         str | None,
         Parameter(help="Of the motors' efforts and rates, such as 60,60 (default: 1 each)."),
     ] = None,
-    force: Annotated[bool, Parameter(help="Replace files that exist.")] = False,
+    force: Force = False,
     choice: Choice = Choice(),
 ) -> Output:
     """Tabulate how motors and the joints that they drive by rods are geared; write it as C."""
     paths = output or []
     for path in paths:
-        _check_output(path, force)
+        check_output(path, (*TABLE_SUFFIXES, _PLUGIN, *_FIGURES), force)
+        if Path(path).suffix in _FIGURES:
+            check_figure_file(path)
     header = _header_of_plugins(paths)
     table = where.table(choice.load(mechanism))
     given = _limits_given(limits, len(table.motors))
@@ -111,17 +120,6 @@ def transmission_command(
         else:
             table.save(path, name=name, force=force)
     return [*blocks, *map(Verbatim, paths)]
-
-
-def _check_output(path: str, force: bool) -> None:
-    """Refuse, before anything is computed, what cannot be written."""
-    suffix = Path(path).suffix
-    if suffix not in (*TABLE_SUFFIXES, _PLUGIN, *_FIGURES):
-        ends = ", ".join((*TABLE_SUFFIXES, _PLUGIN, *_FIGURES))
-        raise OutputError(f"{shown_path(path)}: what is written ends in one of {ends}")
-    if suffix in _FIGURES:
-        check_figure_file(path)
-    check_new(path, force)
 
 
 def _header_of_plugins(paths: list[str]) -> str:

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
+from functools import partial
 
 import pinocchio as pin
 
 from pmjac_pin.closing.closure_problem import CLOSURE_TOLERANCE, LARGEST_SHARE, ClosureProblem
-from pmjac_pin.closing.generic_ranks import ranked
 from pmjac_pin.closing.machine_size import Size, shifted_model
-from pmjac_pin.closing.parts import Parts
+from pmjac_pin.closing.parts import Parts, PartsAtHome
 from pmjac_pin.closing.pose_assembly import assemble_pose, check_motors
 from pmjac_pin.closing.scales import column_scale, row_scale
 from pmjac_pin.errors import ArgumentError, PmjacError, unknown_name
@@ -40,8 +40,8 @@ def build_parts(
     values: Mapping[str, float],
     urdf: Urdf | None = None,
     start: Array | None = None,
-) -> Parts:
-    """Resolve all names, assemble the home pose and find the generic ranks there.
+) -> PartsAtHome:
+    """Resolve all names and assemble the home pose.
 
     Parameters
     ----------
@@ -63,28 +63,25 @@ def build_parts(
     return assembled(unassembled(model, spec, values, urdf), start)
 
 
-def assembled(parts: Parts, start: Array | None = None) -> Parts:
-    """Assemble the home pose and find the generic ranks there, as `build_parts` does."""
+def assembled(parts: Parts, start: Array | None = None) -> PartsAtHome:
+    """Assemble the home pose, as `build_parts` does."""
     try:
-        return _ranked(_at_home(parts, start))
+        return _at_home(parts, start)
     except PmjacError as error:
         error.built_of = (parts.standing, parts.spec, parts.values)
         raise
 
 
-def _ranked(parts: Parts) -> Parts:
-    problem, kinematics = parts.problem, parts.kinematics
-    size = Size(kinematics, parts.spec, parts.coordinates.rotational, parts.home_q)
-    partition = _partition(parts.spec, parts.coordinates, kinematics, size, problem.rounding)
-    problem = replace(problem, partition=partition)
-    return replace(parts, problem=ranked(problem, kinematics, parts.home_q))
-
-
-def _at_home(parts: Parts, start: Array | None) -> Parts:
+def _at_home(parts: Parts, start: Array | None) -> PartsAtHome:
     spec, coordinates, given = parts.spec, parts.coordinates, parts.home_q
     for name, pose in spec.poses.items():
         check_motors(coordinates, coordinates.q(pose, given), spec, f"the pose {name!r} has")
-    return replace(parts, home_q=assemble_pose(parts, given if start is None else start, "home"))
+    q = assemble_pose(parts, given if start is None else start, "home")
+    size = Size(parts.kinematics, spec, coordinates.rotational, q)
+    partition = _partition(spec, coordinates, parts.kinematics, size, parts.split.rounding)
+    own = {field.name: getattr(parts, field.name) for field in fields(parts)}
+    split = replace(parts.split, partition=partition)
+    return PartsAtHome(**{**own, "home_q": q, "split": split})
 
 
 def unassembled(
@@ -93,7 +90,7 @@ def unassembled(
     values: Mapping[str, float],
     urdf: Urdf | None = None,
 ) -> Parts:
-    """Resolve all names, the home pose left as it is given and the generic ranks unknown.
+    """Resolve all names, the home pose left as it is given.
 
     Raises
     ------
@@ -120,9 +117,9 @@ def _closure_problem(
 ) -> ClosureProblem:
     model = kinematics.model
     return ClosureProblem(
-        kinematics.closure,
-        lambda q, v: pin.integrate(model, q, v),
-        lambda one, other: pin.difference(model, one, other),
+        kinematics,
+        partial(pin.integrate, model),
+        partial(pin.difference, model),
         partition,
         spec.tolerance,
         rounding,
@@ -131,9 +128,9 @@ def _closure_problem(
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FoundAtHome:
-    """What `build_parts` computes and an equal mechanism elsewhere need not: plain numbers.
+    """What is computed for a mechanism and an equal one elsewhere need not: plain numbers.
 
-    The attributes are those of `Parts` and its problem.
+    The attributes are those of `PartsAtHome` and its problem.
     """
 
     home_q: Array
@@ -142,7 +139,7 @@ class FoundAtHome:
     partition: Partition
 
     @classmethod
-    def of(cls, parts: Parts) -> FoundAtHome:
+    def of(cls, parts: PartsAtHome) -> FoundAtHome:
         """Return what was found for these parts."""
         problem = parts.problem
         return cls(parts.home_q, parts.place, problem.rounding, replace(problem.partition))
@@ -154,8 +151,8 @@ def rebuilt_parts(
     values: Mapping[str, float],
     urdf: Urdf | None,
     found: FoundAtHome,
-) -> Parts:
-    """Return the parts that `build_parts` would, as they were found before.
+) -> PartsAtHome:
+    """Return the parts that `build_parts` would, with the ranks that were found before.
 
     The loops of the home pose are looked at again: where they are open, as on a machine that
     computes otherwise, all is found anew.
@@ -171,7 +168,8 @@ def rebuilt_parts(
     if not problem.gap(problem.evaluate(q)[0]) <= problem.tolerance:
         return build_parts(model, spec, values, urdf)
     coordinates = JointCoordinates(model)
-    return Parts(near, spec, values, coordinates, kinematics, problem, q, urdf, model, found.place)
+    own = (near, spec, values, coordinates, kinematics, problem, q, urdf, model, found.place)
+    return PartsAtHome(*own).with_problem(problem)
 
 
 def _kinematics(

@@ -11,7 +11,7 @@ import pinocchio as pin
 
 from pmjac_pin.closing.assembly import assembled, unassembled
 from pmjac_pin.closing.home_on_the_way import followed, home_pose, part_of_the_way
-from pmjac_pin.closing.parts import Parts
+from pmjac_pin.closing.parts import Parts, PartsAtHome
 from pmjac_pin.errors import ArgumentError, ClosureError, ModelFileError, PmjacError, unknown_name
 from pmjac_pin.files.urdf.locking import lock_joints
 from pmjac_pin.files.urdf.robot import Urdf
@@ -50,7 +50,7 @@ class Blueprint:
         """Return that of another spec of the same tree."""
         return replace(self, spec=spec)
 
-    def parts(self, given: Mapping[str, float] | None = None) -> Parts:
+    def parts(self, given: Mapping[str, float] | None = None) -> PartsAtHome:
         """Return the parts at these values, other parameters at their defaults.
 
         Raises
@@ -71,9 +71,10 @@ class Blueprint:
 
     def _unassembled(self, values: Mapping[str, float]) -> Parts:
         spec = self.spec
-        moved = self.urdf.moved(spec.moves(values))
-        limits = spec.enforce_limits
-        urdf = lock_joints(moved, spec.locked, spec.helical, spec.spherical, enforce_limits=limits)
+        urdf = self.urdf.moved(spec.moves(values))
+        if spec.locked:
+            held, limits = (spec.locked, spec.helical, spec.spherical), spec.enforce_limits
+            urdf = lock_joints(urdf, *held, enforce_limits=limits)
         return unassembled(_pinocchio_model(urdf, spec), spec, values, urdf)
 
     @found_once

@@ -2,35 +2,43 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from pmjac_pin.closing.closure_problem import ClosureProblem
 from pmjac_pin.rates.factorisation import Factorisation
+from pmjac_pin.rates.partition import Partition
 from pmjac_pin.values.arrays import Array, norm
+from pmjac_pin.values.found_once import found_once
 
 
-@dataclass(frozen=True, slots=True, eq=False)
 class Closed:
-    """A point on a path: closed loops, and K* factorised there, in the anchors' axes."""
+    """A point on a path: closed loops, and K* factorised there, when it is asked for.
 
-    q: Array
-    gap: float
-    residual: Array
-    scaled: Array
-    factors: Factorisation
-    iterations: int
+    Attributes
+    ----------
+    q : ndarray, shape (nq,)
+    residual, scaled : ndarray, shapes (p,) and (p, nv)
+        η in m, and [K K*] without dimension, each loop seen from the body that carries both ends.
+    partition : Partition
+    iterations : int
+    gap : float
+        m.
+    """
+
+    def __init__(
+        self, q: Array, residual: Array, scaled: Array, partition: Partition, iterations: int
+    ) -> None:
+        self.q, self.residual, self.scaled = q, residual, scaled
+        self.partition, self.iterations, self.gap = partition, iterations, norm(residual)
+
+    @found_once
+    def factors(self) -> Factorisation:
+        """K* without dimension."""
+        partition, scaled = self.partition, self.scaled
+        K_star = scaled.take(partition.passive, axis=1)
+        return partition.factorise(K_star, partition.size_of(scaled))
 
 
-def closed_point(problem: ClosureProblem, q: Array) -> Closed:
-    """Evaluate and factorise at a q whose loops are closed."""
-    return point_at(problem, q, *problem.evaluate(q), 0)
-
-
-def point_at(
-    problem: ClosureProblem, q: Array, residual: Array, jacobian: Array, iterations: int
-) -> Closed:
-    """Factorise at a q whose loops and their Jacobian are known."""
-    partition = problem.partition
-    scaled, error = partition.scaled(jacobian), residual * partition.row_scale
-    factors = partition.factorise(scaled.take(partition.passive, axis=1), partition.size_of(scaled))
-    return Closed(q, norm(error), error, scaled, factors, iterations)
+def closed_point(problem: ClosureProblem, q: Array, iterations: int = 0) -> Closed:
+    """Evaluate at a q whose loops are closed."""
+    partition, (residual, jacobian) = problem.partition, problem.evaluate(q)
+    scaled = partition.scaled(jacobian)
+    return Closed(q, residual * partition.row_scale, scaled, partition, iterations)

@@ -8,13 +8,13 @@ that it cannot change the assembly mode unseen.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from pmjac_pin.closing.closed import Closed, point_at
+from pmjac_pin.closing.closed import Closed, closed_point
 from pmjac_pin.closing.closure_problem import ROUNDING, ClosureProblem
 from pmjac_pin.closing.damped_closure import assemble
 from pmjac_pin.closing.step_guard import StepGuard
@@ -38,8 +38,7 @@ NO_INVERSE = 1e-9  # relative singular value of K* at a pose that no step is pro
 MOST_CORRECTIONS = 50  # at a fold, polishing halves the error each time
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Followed:
+class Followed(NamedTuple):
     """Where a path ended: at its target when `share` is 1.
 
     `spent` where it is so long that its steps were used up; `strayed` is where motors were led to
@@ -93,10 +92,14 @@ def follow(
         ahead = problem.integrate(point.q, tangent)
         candidate = corrected(problem, target(ahead) if last else ahead, tangent, last)
         step = 0.5 * stride
-        if candidate is None or not is_invertible(candidate, partition):
+        if candidate is None:
             continue
+        # Where ends alone prove K* regular it is invertible: at a pose where it is not, its change
+        # from the start, which is regular, would not contract.
         if last and guard.covers_straight(problem, point, candidate):
             return Followed(candidate, 1.0, iterations + candidate.iterations)
+        if not is_invertible(candidate, partition):
+            continue
         arriving = path_velocity(candidate, displacement, partition)
         if not guard.covers(problem, point, candidate, tangent, arriving * stride):
             continue
@@ -142,7 +145,7 @@ def beside(problem: ClosureProblem, closed: Array, q: Array) -> Closed | None:
     moved = float(np.abs(moves).max(initial=0.0))
     if found.gap > problem.tolerance or moved > _BESIDE_A_FOLD * partition.length:
         return None
-    return point_at(problem, found.q, *problem.evaluate(found.q), found.iterations)
+    return closed_point(problem, found.q, found.iterations)
 
 
 def is_singular(point: Closed, partition: Partition) -> bool:
@@ -158,13 +161,12 @@ def is_invertible(point: Closed, partition: Partition) -> bool:
 
 def path_velocity(point: Closed, displacement: Array, partition: Partition) -> Array:
     """Return v (nv,): the motors' displacement and φ̇ = −K*⁻¹ K θ̇ with it."""
-    actuated, passive = partition.actuated, partition.passive
-    velocity = np.zeros(partition.column_scale.size)
-    velocity[actuated] = displacement / partition.column_scale[actuated]
-    velocity[passive] = -point.factors.solve(
-        point.scaled.take(actuated, axis=1).dot(velocity[actuated]), partition.passive_rank
+    driving = point.scaled.take(partition.actuated, axis=1)
+    moves = point.factors.solve(
+        driving.dot(displacement / partition.motor_scale), partition.passive_rank
     )
-    velocity *= partition.column_scale
+    velocity = _passive_motion(-moves, partition)
+    velocity[partition.actuated] = displacement
     return velocity
 
 
@@ -176,25 +178,29 @@ def corrected(problem: ClosureProblem, q: Array, tangent: Array, last: bool) -> 
     tolerance there is nothing left to tell apart: there it only polishes, slowly at a fold, and no
     further than where a correction is foretold that is rounding.
     """
-    partition = problem.partition
+    partition, tolerance = problem.partition, problem.tolerance
     enough = (ROUNDING if last else WALKING) * partition.length
     allowed = LARGEST_CORRECTION * norm(tangent / partition.column_scale)
-    no_motion, tolerance = np.zeros(tangent.size), problem.tolerance
     previous_gap, previous_size, left = np.inf, np.nan, np.nan
     for iteration in range(1, MOST_CORRECTIONS):
-        residual, jacobian = problem.evaluate(q)
-        gap = problem.gap(residual)
+        ending = left <= enough
+        residual, jacobian = problem.evaluate(q) if ending else problem.loops.evaluate(q)
+        error, scaled = residual * partition.row_scale, partition.scaled(jacobian)
+        gap, size = norm(error), 0.0
         closed = gap <= tolerance
-        done = gap <= enough or (closed and (left <= enough or gap > 0.5 * previous_gap))
-        velocity = no_motion if done else _newton_step(residual, jacobian, partition)
-        size = norm(velocity / partition.column_scale)
-        if done or (closed and not np.isfinite(size)):
-            return point_at(problem, q, residual, jacobian, iteration)
+        done = gap <= enough or (closed and (ending or gap > 0.5 * previous_gap))
+        if not done:
+            moves = _newton_step(error, scaled, partition)
+            size = norm(moves)
+        if done or (closed and not math.isfinite(size)):
+            if ending:
+                return Closed(q, error, scaled, partition, iteration)
+            return closed_point(problem, q, iteration)
         if not (closed or size <= allowed):
             return None
         allowed, previous_gap = SLOWEST_CONTRACTION * size, gap
         left, previous_size = next_correction(previous_size, size), size or np.nan
-        q = problem.integrate(q, velocity)
+        q = problem.integrate(q, _passive_motion(moves, partition))
     return None
 
 
@@ -209,25 +215,24 @@ def polished(problem: ClosureProblem, q: Array) -> Array:
     return q if point is None else point.q
 
 
-def _newton_step(residual: Array, jacobian: Array, partition: Partition) -> Array:
-    """Return v (nv,) that moves the passive joints only: K* φ̇ = −η, smallest φ̇."""
-    passive = partition.passive
+def _newton_step(error: Array, scaled: Array, partition: Partition) -> Array:
+    """Return the smallest moves (m_p,) with K* moves = −η; no numbers where there are none.
+
+    All without dimension: η as `error`, and `scaled` is [K K*].
+    """
+    K_star, rank = scaled.take(partition.passive, axis=1), partition.passive_rank
+    rows, columns = K_star.shape
+    if rows >= columns == rank:
+        moves = (solved if rows == columns else least_squares)(K_star, error)
+        return np.full(columns, np.nan) if moves is None else -moves
+    factors = partition.factorise(K_star, partition.size_of(scaled))
+    if not factors.singular_values[:rank].all():
+        return np.full(columns, np.nan)
+    return -factors.solve(error, rank)
+
+
+def _passive_motion(moves: Array, partition: Partition) -> Array:
+    """Return v (nv,) of the passive joints' moves (m_p,), which are without dimension."""
     velocity = np.zeros(partition.column_scale.size)
-    if residual.size == passive.size == partition.passive_rank:
-        solution = solved(jacobian.take(passive, axis=1), residual)
-        velocity[passive] = np.nan if solution is None else -solution
-        return velocity
-    scaled, error = partition.scaled(jacobian), residual * partition.row_scale
-    if residual.size > passive.size == partition.passive_rank:
-        solution = least_squares(scaled.take(passive, axis=1), error)
-        moves = np.nan if solution is None else -solution
-        velocity[passive] = partition.column_scale[passive] * moves
-        return velocity
-    factors = partition.factorise(scaled.take(passive, axis=1), partition.size_of(scaled))
-    if not factors.singular_values[: partition.passive_rank].all():
-        velocity[passive] = np.nan
-        return velocity
-    velocity[passive] = -partition.column_scale[passive] * factors.solve(
-        error, partition.passive_rank
-    )
+    velocity[partition.passive] = moves * partition.passive_scale
     return velocity

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Protocol
 
 from pmjac_pin.rates.partition import Partition
 from pmjac_pin.values.arrays import Array, norm
+from pmjac_pin.values.found_once import found_once
 
 #: Loops count as closed below this gap, of the characteristic length.
 CLOSURE_TOLERANCE = 1e-12
@@ -17,14 +19,25 @@ LARGEST_SHARE = 1e-2
 ROUNDING = 1e-15  # of the characteristic length: a gap that no further iteration can improve
 
 
-@dataclass(frozen=True, slots=True)
+class LoopEquations(Protocol):
+    """η (p,) and ∂η/∂v (p, nv) as functions of q, as `Kinematics` has them."""
+
+    def closure(self, q: Array) -> tuple[Array, Array]:
+        """Return both, each loop seen from the body that carries its two ends."""
+        ...
+
+    def evaluate(self, q: Array) -> tuple[Array, Array]:
+        """Return both in axes that turn from pose to pose, with the same gaps and steps: faster."""
+        ...
+
+
+@dataclass(frozen=True)
 class ClosureProblem:
     """The loop equations as functions of q, and the partition of their columns.
 
     Attributes
     ----------
-    evaluate : callable
-        q ↦ (η (p,), ∂η/∂v (p, nv)).
+    loops : LoopEquations
     integrate : callable
         (q, v) ↦ q ⊕ v.
     difference : callable
@@ -37,18 +50,22 @@ class ClosureProblem:
         stands far from the world's origin.
     """
 
-    evaluate: Callable[[Array], tuple[Array, Array]]
+    loops: LoopEquations
     integrate: Callable[[Array, Array], Array]
     difference: Callable[[Array, Array], Array]
     partition: Partition
     given_tolerance: float | None = None
     rounding: float = 0.0
 
-    @property
+    @found_once
     def tolerance(self) -> float:
         """The gap in m below which the loops are closed."""
         least = max(CLOSURE_TOLERANCE * self.partition.length, self.rounding)
         return max(self.given_tolerance or 0.0, least)
+
+    def evaluate(self, q: Array) -> tuple[Array, Array]:
+        """Return η (p,) and ∂η/∂v (p, nv), each loop seen from the body that carries both ends."""
+        return self.loops.closure(q)
 
     @property
     def largest_tolerance(self) -> float:

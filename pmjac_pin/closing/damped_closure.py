@@ -29,6 +29,13 @@ def unlimited(_: Array) -> tuple[float, float]:
     return np.inf, np.inf
 
 
+def motor_weights(problem: ClosureProblem, motor_weight: float) -> Array:
+    """Return how easily each degree of freedom moves: passive ones 1, motors as given."""
+    weights = np.ones(problem.partition.column_scale.size)
+    weights[problem.partition.actuated] = motor_weight
+    return weights
+
+
 def assemble(
     problem: ClosureProblem,
     q: Array,

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
 
 import numpy as np
 
 from pmjac_pin.closing.closure_problem import ClosureProblem
-from pmjac_pin.closing.damped_closure import Assembled, assemble, unlimited
+from pmjac_pin.closing.damped_closure import Assembled, assemble, motor_weights, unlimited
 from pmjac_pin.values.arrays import Array
 
 Room = Callable[[Array], tuple[Array | float, Array | float]]
@@ -21,8 +21,10 @@ _LIMIT = 100  # iterations from a shaken start: those that close at all mostly d
 ROUNDED_SHARE = 2e-3
 
 
-def assemble_held(problem: ClosureProblem, q: Array, room: Room = unlimited) -> Assembled:
-    """Close the loops with the motors at rest; where they stay wide open, the best of all starts.
+def assemble_held(
+    problem: ClosureProblem, q: Array, first: Assembled, room: Room = unlimited
+) -> Assembled:
+    """Return the best of a pose and of those from shaken starts, the motors at rest.
 
     Damped least squares ends in the nearest valley of the gap, which need not reach down to zero
     though another one does. So after q itself the starts are q with its passive joints shaken,
@@ -34,23 +36,30 @@ def assemble_held(problem: ClosureProblem, q: Array, room: Room = unlimited) -> 
     problem : ClosureProblem
     q : ndarray, shape (nq,)
         The motors at their values, the passive joints anywhere.
+    first : Assembled
+        What came of q itself: its loops are open.
     room : callable
         As for `assemble`.
     """
-    weights = np.zeros(problem.partition.column_scale.size)
-    weights[problem.partition.passive] = 1.0
-    best = assemble(problem, q, weights, room=room)
+    best, weights = first, motor_weights(problem, 0.0)
     sizes = SHAKES[:_NEARLY_ALL] if is_rounding(problem, best.gap) else SHAKES
-    scale = weights * problem.partition.column_scale * problem.partition.length
-    rng = np.random.default_rng(0)
-    for size in sizes if best.gap > problem.tolerance else ():
-        start = problem.integrate(q, size * scale * rng.normal(size=scale.size))
+    for start in shaken(problem, q, sizes, weights):
         found = assemble(problem, start, weights, _LIMIT, room)
         if found.gap < best.gap:
             best = found
         if best.gap <= problem.tolerance:
             break
     return best
+
+
+def shaken(
+    problem: ClosureProblem, q: Array, sizes: Iterable[float], weights: Array
+) -> Iterator[Array]:
+    """Yield seeded random poses around q, at these sizes: rad or shares of the length."""
+    rng, partition = np.random.default_rng(0), problem.partition
+    scale = weights * partition.column_scale * partition.length
+    for size in sizes:
+        yield problem.integrate(q, size * scale * rng.normal(size=scale.size))
 
 
 def is_rounding(problem: ClosureProblem, gap: float) -> bool:

@@ -16,9 +16,8 @@ import numpy as np
 
 from pmjac_pin.closing.closed import closed_point
 from pmjac_pin.closing.closure_problem import CLOSURE_TOLERANCE, ClosureProblem
-from pmjac_pin.closing.damped_closure import assemble
+from pmjac_pin.closing.damped_closure import assemble, motor_weights
 from pmjac_pin.closing.parts import Parts
-from pmjac_pin.closing.pose_assembly import motor_weights
 from pmjac_pin.kinematics.between_dimensions import BetweenDimensions, RowsOnTheWay
 from pmjac_pin.model.loop_spec import JointLoop
 from pmjac_pin.model.rows import Rows
@@ -88,7 +87,7 @@ def followed(stops: Sequence[Parts], home_q: Array | None) -> Array | None:
     between = BetweenDimensions([stop.kinematics for stop in stops], _rows(stops[0], end))
 
     def at(share: float) -> ClosureProblem:
-        return replace(end.problem, evaluate=between.at(share).closure)
+        return replace(end.problem, loops=between.at(share))
 
     first = here = None if home_q is None else HomePose.at(at(0.0), home_q)
     if (

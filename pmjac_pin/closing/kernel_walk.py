@@ -120,14 +120,20 @@ class PathsToWalk:
 
     @classmethod
     def of(
-        cls, start: Array, displacement: Array, target: Array, design: Array | None = None
+        cls,
+        start: Array,
+        displacement: Array,
+        target: Array,
+        design: Array | None = None,
+        ends: tuple[Array, Array] | None = None,
     ) -> PathsToWalk:
-        """Return paths that are not walked yet."""
+        """Return paths that are not walked yet; q and share of their ends go where it is told."""
         count = len(start)
         given = (start, np.ascontiguousarray(displacement), np.ascontiguousarray(target))
         own = np.ascontiguousarray(np.zeros((count, 0)) if design is None else design)
+        q, share = (np.empty(start.shape), np.zeros(count)) if ends is None else ends
         whole = np.zeros((2, count), dtype=np.int64)
-        return cls(*given, own, np.empty(start.shape), *np.zeros((2, count)), *whole)
+        return cls(*given, own, q, np.zeros(count), share, *whole)
 
 
 class KernelWalk:

@@ -34,8 +34,12 @@ class LoadedPose:
 
     if TYPE_CHECKING:
         q: Array
-        _loop_rates: LoopRates
-        problem: ClosureProblem
+
+        @property
+        def _loop_rates(self) -> LoopRates: ...
+
+        @property
+        def problem(self) -> ClosureProblem: ...  # noqa: D102
 
         @property
         def _parts(self) -> Parts: ...

@@ -14,6 +14,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from pmjac_pin.closing.scales import smallest_loops
 from pmjac_pin.kinematics.loop_system import LoopEnd, LoopSystem
 from pmjac_pin.kinematics.pinocchio import Kinematics
 from pmjac_pin.kinematics.tool import frame_jacobian
@@ -89,8 +90,11 @@ class Size:
         if not any(arms):  # slides alone
             every = _mean(np.array([one for rod in rods for one in rod]))
         self.length = invertible(_length(every, _mean(_distances(turning)), rounding))
-        held = [[] if own else rod for rod, own in zip(rods, arms, strict=True)]
-        self.strokes = _shortest(held, loops, model.nv, self.length) / self.length
+        held = [
+            self.length if own else min(rod, default=self.length)
+            for rod, own in zip(rods, arms, strict=True)
+        ]
+        self.strokes = smallest_loops(loops, held, model.nv, self.length) / self.length
         self.arms = tuple(mean if mean > rounding else 0.0 for mean in means)
         self.loop_sizes = tuple(
             mean if SPHERICAL * self.length < mean < SMALL * self.length else self.length
@@ -137,14 +141,6 @@ def _rods(loops: LoopSystem) -> list[list[float]]:
         [loops.rods[row] for row in loops.rods if rows.start <= row < rows.stop]
         for rows in loops.slices
     ]
-
-
-def _shortest(held: list[list[float]], loops: LoopSystem, count: int, length: float) -> Array:
-    """Return for each column the shortest of these rods of its loops, at most `length`."""
-    shortest = np.full(count, length)
-    for rods, columns in zip(held, loops.moving, strict=True):
-        shortest[columns] = np.minimum(shortest[columns], min(rods, default=length))
-    return shortest
 
 
 def _length(loops: float, tool: float, rounding: float) -> float:

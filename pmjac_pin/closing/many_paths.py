@@ -151,6 +151,7 @@ class Walker:
         most_steps: int = closure.MOST_STEPS,
         *,
         design: Array | None = None,
+        ends: tuple[Array, Array] | None = None,
     ) -> Paths:
         """Walk from closed poses.
 
@@ -165,6 +166,8 @@ class Walker:
             Tried in each path; what runs out of them is not settled.
         design : ndarray, shape (b, k), optional
             What the programs take of each path's own machine.
+        ends : (ndarray, ndarray), shapes (b, nq) and (b,), optional
+            Where q and share go.
         """
         own = np.zeros((0, len(q))) if design is None else design.T
         displacement = np.vstack([displacement.T, own])
@@ -184,8 +187,8 @@ class Walker:
             allowed = closure.LARGEST_CORRECTION * stride * start.pace
             found, good = self._correct(ahead, allowed, displacement[:, going], last)
             steps = [start.q[:, good], found.q, tangent[:, good], found.velocity * stride[good]]
-            ends = start.inverse[good], found.inverse, own[:, going[good]]
-            covered = self._covers(np.vstack([*steps, *ends]))
+            known = start.inverse[good], found.inverse, own[:, going[good]]
+            covered = self._covers(np.vstack([*steps, *known]))
             good = good[covered]
             done, found = going[good], found[covered]
             here.put(done, found)
@@ -197,6 +200,8 @@ class Walker:
         spent = np.zeros(len(q), dtype=bool)
         spent[going] = True
         paths = Paths(here.q.T.copy(), share, ~spent)
+        if ends is not None:
+            ends[0][:], ends[1][:] = paths.q, paths.share
         if design is not None:
             return paths.less(doubtful)
         return judged(self.problem, paths, displacement.T, doubtful)
@@ -280,6 +285,8 @@ def judged(problem: ClosureProblem, paths: Paths, displacement: Array, doubtful:
     doubtful : ndarray of bool, shape (b,)
         Where bounds do not tell that K* is regular.
     """
+    if (arrived := paths.share == 1.0).all():
+        return replace(paths, settled=arrived)
     partition = problem.partition
     scaled = displacement / partition.column_scale[partition.actuated]
     left = (1.0 - paths.share) * np.linalg.norm(scaled, axis=1)
@@ -287,4 +294,4 @@ def judged(problem: ClosureProblem, paths: Paths, displacement: Array, doubtful:
     for index in np.flatnonzero(settled & doubtful).tolist():
         factors = closed_point(problem, paths.q[index].copy()).factors
         settled[index] = factors.rank < partition.passive_rank
-    return replace(paths, settled=settled | (paths.share == 1.0))
+    return replace(paths, settled=settled | arrived)

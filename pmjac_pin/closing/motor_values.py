@@ -9,13 +9,64 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from pmjac_pin.errors import ArgumentError, quoted, unknown_name
-from pmjac_pin.model.coordinates import JointCoordinates
+from pmjac_pin.model.coordinates import LIMIT_SLACK, JointCoordinates
 from pmjac_pin.model.spec import MechanismSpec
 from pmjac_pin.values.arrays import Array
-from pmjac_pin.values.checks import as_numbers
+from pmjac_pin.values.checks import LARGEST, as_numbers
 from pmjac_pin.values.named_values import named_values
 
 MotorValues: TypeAlias = ArrayLike | Mapping[str, float]
+
+
+class Motors:
+    """The motors of a mechanism: their limits, and where q holds their values.
+
+    Parameters
+    ----------
+    spec, coordinates
+        Which joints are motors, and all that there are.
+    """
+
+    __slots__ = ("_columns", "_coordinates", "_entries", "_limits")
+
+    def __init__(self, spec: MechanismSpec, coordinates: JointCoordinates) -> None:
+        self._coordinates = coordinates
+        columns = self._columns = coordinates.columns(spec.actuated)
+        ends = (coordinates.lower - LIMIT_SLACK, coordinates.upper + LIMIT_SLACK)
+        lower, upper = (np.clip(end[columns], -LARGEST, LARGEST).tolist() for end in ends)
+        self._limits = list(zip(lower, upper, strict=True))
+        # Where values are entries of q; elsewhere the coordinates know how these turn.
+        straight = not (coordinates.wraps | coordinates.curved)[columns].any()
+        entries = [coordinates.entry(column) for column in columns.tolist()]
+        self._entries = np.array(entries, dtype=np.intp) if straight else None
+
+    def within_limits(self, given: Any) -> Array | None:
+        """Return a copy of an array of floats that are all within limits; None of all else."""
+        if type(given) is not np.ndarray or given.dtype != float or given.ndim != 1:
+            return None
+        values = given.tolist()
+        if len(values) != len(self._limits):
+            return None
+        for value, (lower, upper) in zip(values, self._limits, strict=True):
+            if not lower <= value <= upper:
+                return None
+        copied: Array = given.copy()
+        return copied
+
+    def way(self, q: Array, values: Array) -> Array:
+        """Return the motion (n,) of the motors in one unit of time from q to these values."""
+        if self._entries is None:
+            return self._coordinates.motion_to(q, self._columns, values)
+        motion: Array = values - q.take(self._entries)
+        return motion
+
+    def at(self, q: Array, values: Array) -> Array:
+        """Return q with the motors at these values."""
+        if self._entries is None:
+            return self._coordinates.with_values(q, self._columns, values)
+        there = q.copy()
+        there[self._entries] = values
+        return there
 
 
 def motor_values(spec: MechanismSpec, coordinates: JointCoordinates, actuated: Any) -> Array:

@@ -16,45 +16,48 @@ import numpy as np
 from pmjac_pin.closing.closed import Closed, closed_point
 from pmjac_pin.closing.closure import Followed, beside, follow
 from pmjac_pin.closing.closure_problem import ClosureProblem
-from pmjac_pin.closing.parts import Parts
 from pmjac_pin.closing.step_guard import StepGuard
+from pmjac_pin.model.coordinates import JointCoordinates
 from pmjac_pin.values.arrays import Array, Index
 from pmjac_pin.values.ties import pivots
 
 _NO_RATE = 1e-9  # of the largest ratio between rates of motors, or of one to one
 
 
-def walk(
-    parts: Parts, guard: StepGuard, point: Closed, displacement: Array, values: Array
+def walk_led(
+    problem: ClosureProblem,
+    coordinates: JointCoordinates,
+    guard: StepGuard,
+    point: Closed,
+    values: Array,
 ) -> Followed:
-    """Walk the motors to their values from a closed pose, on its assembly mode.
+    """Walk motors of which some are led to their values from a closed pose, on its assembly mode.
 
-    Where motors are led and do not arrive at their values, the path ends where it began, and
-    `strayed` says where they were led to.
+    Where they do not arrive at their values, the path ends where it began, and `strayed` says where
+    they were led to.
 
     Parameters
     ----------
-    parts : Parts
-        Its problem with the generic ranks of the branch that the path begins on.
+    problem : ClosureProblem
+        With the generic ranks of the branch that the path begins on.
+    coordinates : JointCoordinates
     guard : StepGuard
     point : Closed
-    displacement, values : ndarray, shape (n,)
-        Of the motors: over the whole path, and at its end.
+    values : ndarray, shape (n,)
+        Of the motors, at the end of the path.
     """
-    problem, coordinates = parts.problem, parts.coordinates
-    driven = lead(problem, point)
+    driven, motors = lead(problem, point), problem.partition.actuated
+    displacement = coordinates.motion_to(point.q, motors, values)
     columns = driven.problem.partition.actuated
 
     def at_target(q: Array) -> Array:
         return coordinates.with_values(q, columns, values[driven.leading])
 
-    if not driven.led.size:
-        return follow(problem, guard, point, displacement, at_target)
     start = closed_point(driven.problem, point.q)
     path = follow(driven.problem, guard, start, displacement[driven.leading], at_target)
     if path.share < 1.0:
-        return replace(path, point=closed_point(problem, path.point.q))
-    q = coordinates.with_values(path.point.q, problem.partition.actuated, values)
+        return path._replace(point=closed_point(problem, path.point.q))
+    q = coordinates.with_values(path.point.q, motors, values)
     if (arrived := beside(problem, path.point.q, q)) is None:
         return Followed(point, 0.0, path.iterations, strayed=path.point.q)
     return Followed(arrived, 1.0, path.iterations)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ctypes
-import threading
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
@@ -17,6 +16,7 @@ from pmjac_pin.closing.kernel_walk import DOUBTFUL, SPENT, KernelMachine, Kernel
 from pmjac_pin.closing.many_paths import FEW, LONG, GoOn, Paths, judged
 from pmjac_pin.model.coordinates import JointCoordinates
 from pmjac_pin.values.arrays import Array
+from pmjac_pin.values.spares import Spares
 
 if TYPE_CHECKING:
     from pmjac_pin.algebra.compiled_programs import CompiledProgram
@@ -60,7 +60,7 @@ class PathsInLanes:
             rank_tolerance=partition.rank_tolerance,
             least_size=partition.least_size,
         )
-        self._threads = threading.local()
+        self._walks = Spares(self._another_walk)
         self._common: tuple[bytes, float] = b"", 0.0
 
     def walk(
@@ -72,6 +72,7 @@ class PathsInLanes:
         most_steps: int = closure.MOST_STEPS,
         *,
         design: Array | None = None,
+        ends: tuple[Array, Array] | None = None,
     ) -> Paths:
         """Walk from closed poses.
 
@@ -87,26 +88,27 @@ class PathsInLanes:
         design : ndarray, shape (b, k), optional
             What the programs take of each path's own machine. What is doubtful at the end of a path
             is not settled then.
+        ends : (ndarray, ndarray), shapes (b, nq) and (b,), optional
+            Where q and share go, row by row.
         """
         if not len(q):
             return Paths(q.copy(), np.zeros(0), np.zeros(0, dtype=bool))
-        try:
-            walk = self._threads.walk
-        except AttributeError:
-            walk = KernelWalk(self._library, self._machine, self._tapes, self._compiled)
-            self._threads.walk = walk
-        paths = PathsToWalk.of(q, displacement, target, design)
+        walk, paths = self._walks.take(), PathsToWalk.of(q, displacement, target, design, ends)
         at_one = not q.strides[0] and design is None
         walk.take(paths, most_steps, FEW, LONG, self._inverse_at(q[0]) if at_one else 0.0)
         walk.begin()
         go_on()
         while walk.go_on(_LANE_STEPS_AT_ONCE):
             go_on()
+        self._walks.put_back(walk)
         ended = Paths(paths.q, paths.share, paths.end != SPENT)
         doubtful = paths.end == DOUBTFUL
         if design is not None:
             return ended.less(doubtful)
         return judged(self._problem, ended, displacement, doubtful)
+
+    def _another_walk(self) -> KernelWalk:
+        return KernelWalk(self._library, self._machine, self._tapes, self._compiled)
 
     def _inverse_at(self, q: Array) -> float:
         """Return how large the inverse of K* is, 0 where the programs have it on some columns."""

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from contextlib import suppress
 
 import numpy as np
 
 from pmjac_pin.closing.closure_problem import ClosureProblem
-from pmjac_pin.closing.damped_closure import Assembled, assemble, unlimited
-from pmjac_pin.closing.held_motors import Room, assemble_held, is_rounding
+from pmjac_pin.closing.damped_closure import Assembled, assemble, motor_weights, unlimited
+from pmjac_pin.closing.held_motors import Room, assemble_held, is_rounding, shaken
 from pmjac_pin.closing.parts import Parts
 from pmjac_pin.errors import ClosureError
 from pmjac_pin.model.coordinates import JointCoordinates
@@ -24,7 +23,7 @@ _MOTOR_WEIGHTS = (0.1, 1.0)
 _FAR_MOTORS = 1e-2  # lengths: at the end of the reach, motors move about as far as the gap
 _STARTS_WITHIN = 64  # random, within all limits
 _MOST_SHAKEN = 8
-_SHAKES = (0.03, 0.03, 0.1, 0.1, 0.3, 0.3, 0.6, 0.6)  # rad or share of the length
+FOLDS = (0.03, 0.03, 0.1, 0.1, 0.3, 0.3, 0.6, 0.6)  # rad or share of the length
 
 
 def assemble_pose(parts: Parts, q: Array, pose: str) -> Array:
@@ -52,8 +51,10 @@ def assemble_pose(parts: Parts, q: Array, pose: str) -> Array:
 
 
 def _assembled(parts: Parts, q: Array, pose: str, room: Room) -> Array:
-    problem = parts.problem
-    found = [assemble_held(problem, q, room)]
+    problem = parts.split
+    found = [assemble(problem, q, motor_weights(problem, 0.0), room=room)]
+    if found[0].gap > problem.tolerance:
+        found = [assemble_held(problem, q, found[0], room)]
     if found[0].gap <= problem.tolerance:
         return found[0].q
     for motor_weight in _MOTOR_WEIGHTS:
@@ -80,31 +81,14 @@ def _moved(problem: ClosureProblem, start: Array, end: Array) -> float:
 
 def _folded(parts: Parts, q: Array, room: Room) -> Array | None:
     """Return a closed pose from shaken starts, all joints free to move."""
-    problem = parts.problem
-    for start in shaken(problem, q):
-        found = assemble(problem, start, motor_weights(problem, 1.0), room=room)
+    # From a pose that is straight or flat, as many are with all joints at zero, the gap does not
+    # say which way the joints should fold.
+    problem, weights = parts.split, motor_weights(parts.split, 1.0)
+    for start in shaken(problem, q, FOLDS, weights):
+        found = assemble(problem, start, weights, room=room)
         if found.gap <= problem.tolerance:
             return found.q
     return None
-
-
-def shaken(problem: ClosureProblem, q: Array) -> Iterator[Array]:
-    """Yield seeded random poses around q, further and further away.
-
-    From a pose that is straight or flat, as many are with all joints at zero, the gap does not
-    say which way the joints should fold.
-    """
-    rng = np.random.default_rng(0)
-    scale = problem.partition.column_scale * problem.partition.length
-    for size in _SHAKES:
-        yield problem.integrate(q, size * scale * rng.normal(size=scale.size))
-
-
-def motor_weights(problem: ClosureProblem, motor_weight: float) -> Array:
-    """Return how easily each degree of freedom moves: passive ones 1, motors as given."""
-    weights = np.ones(problem.partition.column_scale.size)
-    weights[problem.partition.actuated] = motor_weight
-    return weights
 
 
 def check_motors(coordinates: JointCoordinates, q: Array, spec: MechanismSpec, what: str) -> None:
@@ -124,7 +108,7 @@ def _beyond_the_end(parts: Parts, start: Array, found: Array, room: Room) -> Arr
 
     Where the motors have to move, the nearest closed pose is at the end of the reach: singular.
     """
-    problem, coordinates = parts.problem, parts.coordinates
+    problem, coordinates = parts.split, parts.coordinates
     actuated = problem.partition.actuated
     motors, moved = (coordinates.values(q)[actuated] for q in (start, found))
     beyond = moved + 0.5 * (moved - motors)
@@ -136,7 +120,7 @@ def _beyond_the_end(parts: Parts, start: Array, found: Array, room: Room) -> Arr
 
 def _open(parts: Parts, q: Array, best: Assembled, pose: str, room: Room) -> ClosureError:
     """Say which loop stays open, or which joints leave their limits where it closes."""
-    problem, coordinates = parts.problem, parts.coordinates
+    problem, coordinates = parts.split, parts.coordinates
     what = f"{parts.spec.name}: the pose {pose!r}"
     freely = assemble(problem, q, motor_weights(problem, 1.0))
     outside = violations(coordinates, freely.q, coordinates.names)
@@ -158,7 +142,7 @@ def _open(parts: Parts, q: Array, best: Assembled, pose: str, room: Room) -> Clo
 
 def _within_limits(parts: Parts) -> str:
     """Say whether the loops close within all limits, as far as random starts tell."""
-    problem, coordinates = parts.problem, parts.coordinates
+    problem, coordinates = parts.split, parts.coordinates
     rng = np.random.default_rng(0)
     weights = motor_weights(problem, 1.0)
     for _ in range(_STARTS_WITHIN):
@@ -174,7 +158,7 @@ def _within_limits(parts: Parts) -> str:
 
 def _anywhere(parts: Parts, rng: np.random.Generator) -> Array:
     """Return a random pose within the limits; what has none is around its home value."""
-    problem, coordinates = parts.problem, parts.coordinates
+    problem, coordinates = parts.split, parts.coordinates
     length, turns = problem.partition.length, coordinates.rotational
     spread = np.where(turns, np.pi, 2.0 * length)
     q = problem.integrate(parts.home_q, spread * rng.uniform(-1.0, 1.0, spread.size))

@@ -43,7 +43,7 @@ def column_scale(
         The columns that move the tool: the measure of gear trains that are in no loop.
     """
     scale = np.where(
-        rotational, 1.0 / length, _strokes(loops, sizes, rotational.size, length) / length
+        rotational, 1.0 / length, smallest_loops(loops, sizes, rotational.size, length) / length
     )
     known, waiting = np.zeros(rotational.size, dtype=bool), list(loops.couplings.values())
     for columns in loops.moving:
@@ -59,15 +59,15 @@ def column_scale(
     return scale
 
 
-def _strokes(loops: LoopSystem, sizes: Sequence[float], count: int, length: float) -> Array:
+def smallest_loops(loops: LoopSystem, sizes: Sequence[float], count: int, length: float) -> Array:
     """Return the size, m, of the smallest loop that each column is in; `length` for one in none.
 
     That loop is what ends the slide: with a larger size, its rows would be all about the slide.
     """
-    smallest = np.full(count, np.inf)
+    smallest = np.full(count, length)
     for columns, size in zip(loops.moving, sizes, strict=True):
         smallest[columns] = np.minimum(smallest[columns], size)
-    return np.where(np.isfinite(smallest), smallest, length)
+    return smallest
 
 
 def _pass_on(coupling: Coupling, scale: Array, known: Mask) -> None:

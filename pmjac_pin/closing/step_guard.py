@@ -213,14 +213,14 @@ class StepGuard:
             within = self._within(step, tube, mixed)
             # Along the way from p(s) by h its mean is half of it, unless motors stray, too.
             beyond = (0.5 if step.aside is None else 1.0) * within.dot(tube)
-            if (beyond <= open_by).all():
+            if np.count_nonzero(beyond <= open_by) == open_by.size:
                 break
             open_by = np.maximum(open_by, 2.0 * beyond)
         else:
             return False
         change += sizes.dot(within)
         weights = solved(identity - MARGIN * change, ones)
-        return weights is not None and bool((weights >= 1.0).all())
+        return weights is not None and np.count_nonzero(weights >= 1.0) == weights.size
 
     def _within(self, step: _ScaledStep, tube: Array, mixed: Array | None) -> Array:
         """Return a bound on how K* changes in the tube, scaled, (p, m_p)."""

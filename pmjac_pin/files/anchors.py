@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from typing import Any
 from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
@@ -11,27 +12,13 @@ import pinocchio as pin
 from pmjac_pin.errors import ModelFileError
 from pmjac_pin.files.unused_name import unused_name
 from pmjac_pin.files.xml_text import label, written
-from pmjac_pin.model.loop_spec import (
-    CylindricalLoop,
-    FrameLoop,
-    Loop,
-    PlanarLoop,
-    PrismaticLoop,
-    RevoluteLoop,
-    SphericalLoop,
-)
+from pmjac_pin.model.loop_spec import LOOP_KINDS, Loop
 from pmjac_pin.model.table import Vector
 
-_ALONG: Mapping[str, type] = {
-    "revolute": RevoluteLoop,
-    "continuous": RevoluteLoop,
-    "prismatic": PrismaticLoop,
-    "cylindrical": CylindricalLoop,
-    "planar": PlanarLoop,
-}
-_WHOLE: Mapping[str, type] = {"spherical": SphericalLoop, "fixed": FrameLoop}
-WITHOUT_AXIS = (*_WHOLE, "floating")
-KINDS = (*_ALONG, *WITHOUT_AXIS)
+#: The loop that does what a kind of joint does, where it is not called as that.
+_AS_LOOPS: Mapping[str, str] = {"continuous": "revolute", "fixed": "frame"}
+_ALONG = ("revolute", "continuous", "prismatic", "cylindrical", "planar")
+KINDS = (*_ALONG, "spherical", "fixed", "floating", "universal")
 
 
 class Anchors:
@@ -98,12 +85,12 @@ def placement_of(origin: Element) -> pin.SE3:
     return pin.SE3(pin.rpy.rpyToMatrix(rpy), xyz)
 
 
-def loop_of_kind(kind: str, frames: tuple[str, str], axis: Vector) -> Loop | None:
-    """Return the loop that does what a joint of one of `KINDS` does; None for a floating one."""
-    if kind == "floating":
-        return None
-    if kind in _ALONG:
-        along: Loop = _ALONG[kind](frames=frames, axis=axis)
-        return along
-    whole: Loop = _WHOLE[kind](frames=frames)
-    return whole
+def loop_of_kind(kind: str, frames: tuple[str, str], axes: Sequence[Vector]) -> Loop:
+    """Return the loop that does what a joint of one of `KINDS` does, but for a floating one.
+
+    `axes` are the axis, or the two of a universal joint; others have none.
+    """
+    table: Any = LOOP_KINDS[_AS_LOOPS.get(kind, kind)]
+    given = {"axis": axes[0]} if kind in _ALONG else {}
+    loop: Loop = table(frames=frames, **({"axes": tuple(axes)} if kind == "universal" else given))
+    return loop

@@ -101,7 +101,7 @@ class CutJoints:
         axis = element.find("axis")
         x, y, z = X if axis is None else map(float, axis.get("xyz", "").split())
         frames = (anchors.add(joint.name, joint.parent, _joint_origin(element)), joint.child)
-        return loop_of_kind(kind, frames, (x, y, z))
+        return loop_of_kind(kind, frames, [(x, y, z)])
 
     def _kind(self, joint: UrdfJoint) -> str:
         return "spherical" if joint.name in self.balls else joint.type

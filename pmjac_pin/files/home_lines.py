@@ -10,7 +10,7 @@ from typing import Any
 
 from pmjac_pin.files.catalog import find_urdf
 from pmjac_pin.files.joint_dialects import home_within_limits
-from pmjac_pin.files.urdf.geared_urdf import read_geared_urdf
+from pmjac_pin.files.urdf.dialects import read_cut_tree
 
 _NUMBERS = {"floating": 6, "planar": 3}  # of joints of several degrees of freedom
 _MOST_WRITTEN = 60
@@ -31,10 +31,10 @@ def home_line(given: Mapping[str, Any], path: Path) -> str:
     ModelFileError
         Its URDF cannot be read.
     """
-    geared = read_geared_urdf(find_urdf(given["urdf"], path))
-    balls = {*geared.spherical, *given.get("spherical", ())}
-    inside, _ = home_within_limits(geared.urdf.robot(), geared.urdf.joints)
-    moving = {joint.name: joint for joint in geared.urdf.joints if joint.type != "fixed"}
+    urdf, said = read_cut_tree(find_urdf(given["urdf"], path))
+    balls = {*said.balls, *given.get("spherical", ())}
+    inside, _ = home_within_limits(urdf.robot(), urdf.joints)
+    moving = {joint.name: joint for joint in urdf.joints if joint.type != "fixed"}
     first = [name for name in given["actuated"] if name in moving]
     names = [*first, *(name for name in moving if name not in first)]
     values = []

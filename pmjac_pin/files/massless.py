@@ -17,18 +17,10 @@ def without_mass(names: Sequence[str]) -> list[str]:
 
 def mass_notes(urdf: Urdf, names: Collection[str]) -> list[str]:
     """Return what is to be said of the bodies of a URDF, or of those that are among these links."""
-    heavy = _heavy(urdf)
+    heavy = urdf.heavy()
     if not heavy and any(joint.type != "fixed" for joint in urdf.joints):
         return [_NO_MASSES]
     return without_mass(_massless(urdf, heavy, names))
-
-
-def _heavy(urdf: Urdf) -> set[str]:
-    return {
-        link.get("name", "")
-        for link in urdf.robot().iterfind("link")
-        if (mass := link.find("inertial/mass")) is not None and float(mass.get("value", "0")) > 0.0
-    }
 
 
 def _massless(urdf: Urdf, heavy: Collection[str], names: Collection[str]) -> list[str]:

@@ -5,15 +5,15 @@ from __future__ import annotations
 from pathlib import Path
 
 from pmjac_pin.errors import ModelFileError, enumerated
-from pmjac_pin.files.user_path import is_file, is_folder, shown_path
+from pmjac_pin.files.user_path import is_file, shown_path
 
-_YAML = (".yaml", ".yml")
+YAML = (".yaml", ".yml")
 _SAY_MORE = (".toml", ".sdf", ".world")  # than a URDF beside them: they may hold its loops
 _MOST_ENTRIES = 10_000  # of a folder: what is larger is no robot's
 
 
 def urdf_of(path: Path) -> Path:
-    """Return the URDF in a folder, or that of a YAML file; any other path as it is.
+    """Return the URDF in a folder, or that of a YAML file.
 
     In a folder the one of its name, or ``robot.urdf``, or the only one.
 
@@ -23,9 +23,7 @@ def urdf_of(path: Path) -> Path:
         There is none; there are several, or files that may say more, and it is not clear which is
         meant; a YAML file that no URDF is read with.
     """
-    if path.suffix.lower() in _YAML:
-        return _of_yaml(path)
-    return _in_folder(path, path.name) if is_folder(path) else path
+    return _of_yaml(path) if path.suffix.lower() in YAML else _in_folder(path, path.name)
 
 
 def _of_yaml(path: Path) -> Path:

@@ -13,13 +13,13 @@ from pmjac_pin.files.catalog import SUFFIXES, find_urdf
 from pmjac_pin.files.foreign_model import ForeignModel, check_frame, checked_motors
 from pmjac_pin.files.massless import mass_notes
 from pmjac_pin.files.model_file import read_model_file
-from pmjac_pin.files.robot_folder import urdf_of
+from pmjac_pin.files.robot_folder import YAML, urdf_of
 from pmjac_pin.files.text_file import at_file
-from pmjac_pin.files.urdf.geared_urdf import read_geared_urdf, with_gears
+from pmjac_pin.files.urdf.dialects import Said, read_cut_tree
 from pmjac_pin.files.urdf.robot import Urdf
-from pmjac_pin.files.urdf.rotors import rotors
-from pmjac_pin.files.urdf.ties import closing_frames
-from pmjac_pin.files.user_path import shown_path, user_path
+from pmjac_pin.files.urdf.stated_gears import with_gears
+from pmjac_pin.files.urdf.ties import CLOSING, closing_frames
+from pmjac_pin.files.user_path import is_folder, shown_path, user_path
 from pmjac_pin.model.spec import MechanismSpec
 from pmjac_pin.model.tool_spec import Tool
 from pmjac_pin.values.checks import as_names
@@ -82,7 +82,8 @@ def read_source(
     ModelFileError, UnknownNameError, ArgumentError
     """
     motors = None if actuated is None else as_names(actuated, "actuated is a list of joint names")
-    path = urdf_of(path)
+    if path.suffix.lower() in YAML or is_folder(path):
+        path = urdf_of(path)
     root = _include_root(path, include_root)
     if (reader := READERS.get(path.suffix.lower())) is not None:
         model = reader(path, motors or ()) if root is None else _read_mjcf(path, motors or (), root)
@@ -91,23 +92,28 @@ def read_source(
     if path.suffix.lower() not in ("", ".toml"):
         raise ModelFileError(f"{shown_path(path)}: {_other_format(path)}", path=str(path))
     spec = read_model_file(path)
-    geared = read_geared_urdf(find_urdf(spec.urdf, path))
-    urdf = geared.urdf
-    with at_file(urdf.path):
-        spec = msgspec.structs.replace(
-            spec,
-            loops=with_gears(spec.loops, geared.gears),
-            spherical=tuple(dict.fromkeys((*spec.spherical, *geared.spherical))),
-            armature={**rotors(urdf.robot()), **spec.armature},
-        )
+    urdf, said = read_cut_tree(find_urdf(spec.urdf, path))
+    if said != Said():
+        with at_file(urdf.path):
+            spec = _with_said(spec, said)
     if motors is not None:
         # The order of the passive joints was given for other motors.
         spec = msgspec.structs.replace(spec, actuated=checked_motors(urdf, motors), passive=None)
     if tool is not None:
         spec = msgspec.structs.replace(spec, tool=Tool(frame=check_frame(urdf, tool)))
     unread = (*urdf.unread, *_open_frames(urdf, spec))
-    notes = (*geared.notes, *mass_notes(urdf, urdf.links))
+    notes = (*said.notes, *mass_notes(urdf, urdf.links))
     return Source(path, spec, urdf, notes, unread, motors or ())
+
+
+def _with_said(spec: MechanismSpec, said: Said) -> MechanismSpec:
+    """Return what a model file says together with its URDF."""
+    return msgspec.structs.replace(
+        spec,
+        loops=with_gears(spec.loops, [*said.mimics, *said.couplings]),
+        spherical=tuple(dict.fromkeys((*spec.spherical, *said.balls))),
+        armature={**said.armature, **spec.armature},
+    )
 
 
 def _include_root(path: Path, given: str | Path | None) -> Path | None:
@@ -128,6 +134,8 @@ def _other_format(path: Path) -> str:
 
 def _open_frames(urdf: Urdf, spec: MechanismSpec) -> list[str]:
     """Return a sentence for each frame or pair that is made to close a loop, and is in none."""
+    if not any(link.startswith(CLOSING) for link in urdf.links):
+        return []
     joined = [name for loop in spec.loops for name in loop.ends]
     loops, lone = closing_frames(urdf.links, (), joined)
     pairs = (" and ".join(repr(end.get("link")) for end in loop) for loop in loops)
@@ -137,16 +145,16 @@ def _open_frames(urdf: Urdf, spec: MechanismSpec) -> list[str]:
     ]
 
 
+_FROM_WEBOTS = "export the robot as URDF: robot.getUrdf() in a controller of its own writes it"
 #: Formats that are not read, by their suffixes: what makes one of them that is.
 _READABLE_BY = {
     ".xacro": "xacro's macros are not read; write what they make with: xacro FILE > robot.urdf",
-    ".wbt": "Webots' worlds are not read; export the robot as URDF: robot.getUrdf() in a "
-    "controller of its own writes it",
-    ".proto": "Webots' PROTO files are not read; export the robot as URDF: robot.getUrdf() in a "
-    "controller of its own writes it",
-    ".usd": "USD is not read; export the robot as URDF or MJCF: Isaac Sim's URDF exporter does",
-    ".usda": "USD is not read; export the robot as URDF or MJCF: Isaac Sim's URDF exporter does",
-    ".usdc": "USD is not read; export the robot as URDF or MJCF: Isaac Sim's URDF exporter does",
+    ".wbt": f"Webots' worlds are not read; {_FROM_WEBOTS}",
+    ".proto": f"Webots' PROTO files are not read; {_FROM_WEBOTS}",
+    **dict.fromkeys(
+        (".usd", ".usda", ".usdc"),
+        "USD is not read; export the robot as URDF or MJCF: Isaac Sim's URDF exporter does",
+    ),
 }
 
 

@@ -6,13 +6,18 @@ A message names the element; the caller adds the file.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from xml.etree.ElementTree import Element, ParseError
-from xml.parsers.expat.errors import XML_ERROR_INVALID_TOKEN, XML_ERROR_UNBOUND_PREFIX, codes
+from xml.parsers.expat.errors import (
+    XML_ERROR_INVALID_TOKEN,
+    XML_ERROR_MISPLACED_XML_PI,
+    XML_ERROR_UNBOUND_PREFIX,
+    codes,
+)
 
 from defusedxml.common import DefusedXmlException
 
-from pmjac_pin.errors import ModelFileError, quoted, shortened
+from pmjac_pin.errors import ModelFileError, did_you_mean, quoted, shortened
 from pmjac_pin.files.bounded_xml import bounded_tree
 from pmjac_pin.files.lenient_xml import (
     with_plain_comments,
@@ -22,6 +27,7 @@ from pmjac_pin.files.lenient_xml import (
 from pmjac_pin.values.checks import LARGEST
 
 _MENDS = {
+    codes[XML_ERROR_MISPLACED_XML_PI]: without_late_declaration,
     codes[XML_ERROR_UNBOUND_PREFIX]: with_prefixes_bound,
     codes[XML_ERROR_INVALID_TOKEN]: with_plain_comments,
 }
@@ -30,7 +36,7 @@ _MENDS = {
 def parse_xml(text: str) -> Element:
     """Parse XML without document types, entities, deep nesting or very many elements."""
     try:
-        return _forgiven(without_late_declaration(text))
+        return _forgiven(text)
     except (ParseError, UnicodeError) as error:
         raise ModelFileError(f"not well-formed XML: {shortened(str(error))}") from None
     except DefusedXmlException:
@@ -65,13 +71,20 @@ def numbers(
     *,
     default: str | None = None,
     count: int = 1,
+    least: float = -math.inf,
     largest: float = LARGEST,
 ) -> list[float]:
-    """Return an attribute's numbers: finite, so many, and none of them beyond `largest`."""
+    """Return an attribute's numbers: finite, so many, and none of them beyond `largest`.
+
+    `least` is 0 where none may be negative.
+    """
     text = default if element is None else element.get(attribute, default)
     if text is None:
         raise ModelFileError(f"{where} has no `{attribute}`")
-    return numbers_in(f"{where}: `{attribute}`", text, count=count, largest=largest)
+    values = numbers_in(f"{where}: `{attribute}`", text, count=count, largest=largest)
+    if min(values) < least:
+        raise ModelFileError(f"{where}: `{attribute}` is {min(values):g}; it must not be negative")
+    return values
 
 
 def numbers_in(what: str, text: str, *, count: int = 1, largest: float = LARGEST) -> list[float]:
@@ -87,6 +100,12 @@ def numbers_in(what: str, text: str, *, count: int = 1, largest: float = LARGEST
         limit = f"of magnitude {largest:g} or less"
         raise ModelFileError(f"{what} is {quoted(text)}; numbers {limit} are read")
     return values
+
+
+def check_name(what: str, name: str, known: Collection[str]) -> None:
+    """Refuse a name that does not exist; `what` says who gives it, and of what kind it is."""
+    if name not in known:
+        raise ModelFileError(f"{what} {quoted(name)} does not exist{did_you_mean(name, known)}")
 
 
 def written(values: Iterable[float]) -> str:

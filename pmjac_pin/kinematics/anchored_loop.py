@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, NamedTuple
 
 import numpy as np
 import pinocchio as pin
@@ -53,6 +53,7 @@ class AnchoredLoop:
     base: int  # ... of the last joint that carries both frames, 0 for the world
     vectors: tuple[slice, ...]  # the rows of blocks that turn with the axes
     frames: tuple[int, int]  # Pinocchio's indices of the first frame and the second
+    gap: slice | None  # the rows of a loop whose only equation is p, as most have it
 
     def placed(
         self, model: pin.Model, places: Mapping[int, pin.SE3], rows: Sequence[Rows]
@@ -67,39 +68,24 @@ class AnchoredLoop:
         slices = (own for own, _ in self.blocks)
         return replace(self, constraint=there, blocks=tuple(zip(slices, rows, strict=True)))
 
-    def relative(self, model: pin.Model, data: pin.Data, scratch: Any) -> Relative:
-        """Return the first frame seen from the second, as `data` has them."""
+    def jacobian(self, model: pin.Model, data: pin.Data, scratch: Any) -> Array:
+        """Return how one anchor moves seen from the other, (3, nv) or (6, nv), as `data` has it.
+
+        `scratch` then has where it is.
+        """
         # Without `calc` the constraint's Jacobian is silently the one of another q.
         self.constraint.calc(model, data, scratch)
-        rates = self.constraint.jacobian(model, data, scratch)
-        rates = rates.reshape(rates.shape[0], -1)  # a vector where there is one degree of freedom
-        if rates.shape[0] == 3:
-            return Relative(scratch.constraint_position_error, rates)
-        gap, turning = scratch.c1Mc2.translation, rates[3:]
-        gap_rates = rates[:3] - pin.skew(gap).dot(turning)  # ṗ = v + ω × p
-        return Relative(gap, gap_rates, scratch.c1Mc2.rotation, turning)
+        rates: Array = self.constraint.jacobian(model, data, scratch)
+        return rates if rates.ndim > 1 else rates[:, None]  # of one degree of freedom
 
 
-Axes: TypeAlias = Callable[[AnchoredLoop, pin.Data, Any], Array | None]
-
-
-def in_anchors(closure: AnchoredLoop, data: pin.Data, loop_data: Any) -> Array | None:
-    """Return None: the rows stay as they are."""
-    return None
-
-
-def in_world(closure: AnchoredLoop, data: pin.Data, loop_data: Any) -> Array | None:
-    """Return the axes of the second frame in the world."""
-    rotation: Array = loop_data.oMc1.rotation
-    return rotation
-
-
-def from_base(closure: AnchoredLoop, data: pin.Data, loop_data: Any) -> Array | None:
-    """Return the same seen from the last body that carries both frames; None where it is one."""
-    if closure.base == closure.body:
-        return None
-    rotation: Array = loop_data.oMc1.rotation
-    return data.oMi[closure.base].rotation.T.dot(rotation) if closure.base else rotation
+def relative(scratch: Any, rates: Array) -> Relative:
+    """Return the first frame seen from the second, of what `AnchoredLoop.jacobian` found."""
+    if len(rates) == 3:
+        return Relative(scratch.constraint_position_error, rates)
+    gap, turning = scratch.c1Mc2.translation, rates[3:]
+    gap_rates = rates[:3] - pin.skew(gap).dot(turning)  # ṗ = v + ω × p
+    return Relative(gap, gap_rates, scratch.c1Mc2.rotation, turning)
 
 
 def anchored(
@@ -122,4 +108,5 @@ def anchored(
     base = [a for a, b in zip(one, other, strict=False) if a == b][-1]
     vectors = tuple(rows for rows, block in blocks if block.vector)
     indices = first.index, second.index
-    return AnchoredLoop(constraint, blocks, second.joint, base, vectors, indices)
+    gap = vectors[0] if len(blocks) == 1 and isinstance(blocks[0][1], Gap) else None
+    return AnchoredLoop(constraint, blocks, second.joint, base, vectors, indices, gap)

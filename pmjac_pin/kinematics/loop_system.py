@@ -18,15 +18,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from pmjac_pin.errors import ArgumentError, quoted
-from pmjac_pin.kinematics.anchored_loop import (
-    AnchoredLoop,
-    Axes,
-    Relative,
-    anchored,
-    from_base,
-    in_anchors,
-    in_world,
-)
+from pmjac_pin.kinematics.anchored_loop import AnchoredLoop, Relative, anchored, relative
 from pmjac_pin.model.coupling import Coupling, couple
 from pmjac_pin.model.frames import find_frame, moving_columns
 from pmjac_pin.model.loop_between_frames import LoopBetweenFrames
@@ -57,6 +49,21 @@ class _LoopRows(NamedTuple):
     units: tuple[str, ...]
     ends: tuple[LoopEnd, ...]
     moving: NDArray[np.intp]
+
+
+class LoopData(NamedTuple):
+    """Pinocchio's scratch data of the loops between frames, for one thread.
+
+    Attributes
+    ----------
+    each : list
+        Of each loop.
+    together : pin.StdVec_ConstraintData or None
+        Which hold them, where all loops are gaps that Pinocchio evaluates at once.
+    """
+
+    each: list[Any]
+    together: Any
 
 
 class LoopSystem:
@@ -90,8 +97,12 @@ class LoopSystem:
     """
 
     __slots__ = (
+        "_bases",
         "_closures",
-        "_nv",
+        "_grounds",
+        "_points",
+        "_seconds",
+        "_shape",
         "couplings",
         "ends",
         "moving",
@@ -105,7 +116,6 @@ class LoopSystem:
     def __init__(
         self, model: pin.Model, loops: Sequence[Loop], values: Mapping[str, float]
     ) -> None:
-        self._nv = model.nv
         self._closures: list[AnchoredLoop] = []
         self.couplings: dict[int, Coupling] = {}
         self.rods: dict[int, float] = {}
@@ -121,6 +131,7 @@ class LoopSystem:
             for loop, one in zip(loops, found, strict=True)
             for name in one.names
         )
+        self._shape = len(self.row_names), model.nv
         self.row_units = tuple(unit for one in found for unit in one.units)
         self.row_loops = tuple(
             "-".join(loop.ends) for loop, one in zip(loops, found, strict=True) for _ in one.names
@@ -129,6 +140,20 @@ class LoopSystem:
         self.moving = tuple(one.moving for one in found)
         stops = itertools.accumulate((len(one.names) for one in found), initial=0)
         self.slices = tuple(itertools.starmap(slice, itertools.pairwise(stops)))
+        # Of each loop, the joint from whose body its rows are seen: 0 for the world, None for the
+        # body of the second anchor, in whose axes Pinocchio has them.
+        self._seconds: tuple[int | None, ...] = (None,) * len(self._closures)
+        self._grounds: tuple[int | None, ...] = (0,) * len(self._closures)
+        self._bases = tuple(None if c.base == c.body else c.base for c in self._closures)
+        self._points = self._together()
+
+    def _together(self) -> Any:
+        """Return Pinocchio's constraints as it evaluates them at once, None where it cannot."""
+        if self.couplings or not all(closure.gap for closure in self._closures):
+            return None
+        points = pin.StdVec_ConstraintModel()
+        points.extend(pin.ConstraintModel(closure.constraint) for closure in self._closures)
+        return points
 
     def _geared(self, model: pin.Model, loop: JointLoop, start: int) -> _LoopRows:
         coupling = self.couplings[start] = couple(model, loop)
@@ -172,6 +197,7 @@ class LoopSystem:
         found = copy.copy(self)
         own = zip(self._closures, rows, strict=True)
         found._closures = [closure.placed(model, places, blocks) for closure, blocks in own]
+        found._points = found._together()
         found.rods = {
             slots.start: block.length
             for closure in found._closures
@@ -180,46 +206,68 @@ class LoopSystem:
         }
         return found
 
-    def create_data(self) -> list[Any]:
-        """Return Pinocchio's scratch data, one for each loop between frames."""
-        return [closure.constraint.createData() for closure in self._closures]
+    def create_data(self) -> LoopData:
+        """Return Pinocchio's scratch data."""
+        each = [closure.constraint.createData() for closure in self._closures]
+        if self._points is None:
+            return LoopData(each, None)
+        together = pin.StdVec_ConstraintData()
+        together.extend(map(pin.ConstraintData, each))
+        return LoopData([data.extract() for data in together], together)
 
     def evaluate(
-        self, model: pin.Model, data: pin.Data, scratch: list[Any], q: Array
+        self, model: pin.Model, data: pin.Data, scratch: LoopData, q: Array
     ) -> tuple[Array, Array]:
         """Return η (p,) and ∂η/∂v (p, nv) in the anchors' axes.
 
         After ``pin.computeJointJacobians`` filled `data` at `q`; ``forwardKinematics`` would
         leave the joint Jacobians stale.
         """
-        return self._filled(model, data, scratch, q, in_anchors)
+        if self._points is None or not self._closures:
+            return self._filled(model, data, scratch, q, self._seconds)
+        for closure, own in zip(self._closures, scratch.each, strict=True):
+            closure.constraint.calc(model, data, own)
+        jacobian = pin.getConstraintsJacobian(model, data, self._points, scratch.together)
+        residual = np.concatenate([own.constraint_position_error for own in scratch.each])
+        return residual, jacobian.reshape(self._shape)
 
     def in_world(
-        self, model: pin.Model, data: pin.Data, scratch: list[Any], q: Array
+        self, model: pin.Model, data: pin.Data, scratch: LoopData, q: Array
     ) -> tuple[Array, Array]:
         """Return what `evaluate` does in world axes.
 
         On closure the derivative is exact; off it, `add_turning` adds what is missing.
         """
-        return self._filled(model, data, scratch, q, in_world)
+        return self._filled(model, data, scratch, q, self._grounds)
 
     def from_base(
-        self, model: pin.Model, data: pin.Data, scratch: list[Any], q: Array
+        self, model: pin.Model, data: pin.Data, scratch: LoopData, q: Array
     ) -> tuple[Array, Array]:
         """Return what `evaluate` does, seen from the body that carries both ends of a loop.
 
         What happens above a loop does not turn its rows, and neither do its own joints.
         """
-        return self._filled(model, data, scratch, q, from_base)
+        return self._filled(model, data, scratch, q, self._bases)
 
     def _filled(
-        self, model: pin.Model, data: pin.Data, scratch: list[Any], q: Array, axes: Axes
+        self,
+        model: pin.Model,
+        data: pin.Data,
+        scratch: LoopData,
+        q: Array,
+        bodies: tuple[int | None, ...],
     ) -> tuple[Array, Array]:
-        residual = np.empty(len(self.row_names))
-        jacobian = np.empty((len(self.row_names), self._nv))
-        for closure, loop_data in zip(self._closures, scratch, strict=True):
-            pose = closure.relative(model, data, loop_data)
-            turn = axes(closure, data, loop_data) if closure.vectors else None
+        residual, jacobian = np.empty(self._shape[0]), np.empty(self._shape)
+        for closure, own, body in zip(self._closures, scratch.each, bodies):  # noqa: B905 - as long
+            rates = closure.jacobian(model, data, own)
+            turn = None if body is None else own.oMc1.rotation
+            if body:
+                turn = data.oMi[body].rotation.T.dot(turn)
+            if closure.gap is not None and turn is not None:
+                turn.dot(own.constraint_position_error, out=residual[closure.gap])
+                turn.dot(rates, out=jacobian[closure.gap])
+                continue
+            pose = relative(own, rates)
             for rows, block in closure.blocks:
                 gap, rates = block(pose)
                 if turn is not None and block.vector:
@@ -245,7 +293,7 @@ class LoopSystem:
         start = self.slices[loop].start
         closure = next(c for c in self._closures if c.blocks[0][0].start == start)
         loop_data = closure.constraint.createData()
-        pose = closure.relative(model, data, loop_data)
+        pose = relative(loop_data, closure.jacobian(model, data, loop_data))
         to_second = loop_data.oMc1.rotation.T
         linear, turning = to_second @ twists[:3], to_second @ twists[3:]
         seen = Relative(pose.gap, linear, pose.rotation, turning)

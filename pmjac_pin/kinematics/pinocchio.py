@@ -6,22 +6,20 @@ Model, loops and tool never change; Pinocchio's scratch data is one set for each
 from __future__ import annotations
 
 import threading
-from dataclasses import dataclass
 from functools import cache
-from typing import Any
+from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
 
-from pmjac_pin.kinematics.loop_system import LoopSystem
+from pmjac_pin.kinematics.loop_system import LoopData, LoopSystem
 from pmjac_pin.kinematics.tool import ToolKinematics
 from pmjac_pin.model.tool_rows import WORLD_AXES, ToolRows
 from pmjac_pin.model.twist_frame import change_frame
 from pmjac_pin.values.arrays import Array, read_only
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Snapshot:
+class Snapshot(NamedTuple):
     """Everything about one q that later steps need, as plain arrays.
 
     Attributes
@@ -53,7 +51,7 @@ class Snapshot:
 
 class _Scratch(threading.local):
     data: pin.Data
-    loops: list[Any]
+    loops: LoopData
 
 
 class Kinematics:

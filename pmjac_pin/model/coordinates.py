@@ -21,7 +21,7 @@ from pmjac_pin.model.unit_turns import NEARLY_UNIT, with_unit_turns
 from pmjac_pin.values.arrays import Array, Index, read_only
 from pmjac_pin.values.checks import LARGEST, as_numbers
 
-_LIMIT_SLACK = 1e-9  # m or rad: rounding on the way to a limit is no violation
+LIMIT_SLACK = 1e-9  # m or rad: rounding on the way to a limit is no violation
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,22 +67,6 @@ class JointCoordinates:
     lower, upper : ndarray, shape (nv,)
         Limits, m or rad, infinite where there are none.
     """
-
-    __slots__ = (
-        "_entries_of",
-        "_joints",
-        "_model",
-        "_neutral",
-        "_straight",
-        "_translating",
-        "angles",
-        "curved",
-        "lower",
-        "names",
-        "rotational",
-        "upper",
-        "wraps",
-    )
 
     def __init__(self, model: pin.Model) -> None:
         joints = [
@@ -217,21 +201,13 @@ class JointCoordinates:
 
     def joint_values(self, q: Array, names: Iterable[str]) -> dict[str, float | tuple[float, ...]]:
         """Return each of these joints' value, or its tuple of values, by name."""
-        values = self.values(q)
-        joints = [self._joint(name) for name in names]
-        found = {
-            joint.name: tuple(values[joint.idx_v : joint.idx_v + joint.nv].tolist())
-            for joint in joints
-        }
-        return {name: item[0] if len(item) == 1 else item for name, item in found.items()}
+        values, joints = self.values(q), [self._joint(name) for name in names]
+        return {j.name: _one_or_several(values[j.idx_v : j.idx_v + j.nv]) for j in joints}
 
     def pose(self, q: Array) -> dict[str, float | tuple[float, ...]]:
         """Return what `q` takes to give this configuration back, bit by bit."""
-        entries = {
-            joint.name: tuple(map(float, q[joint.idx_q : joint.idx_q + joint.nq]))
-            for joint in self._joints.values()
-        }
-        return {name: item[0] if len(item) == 1 else item for name, item in entries.items()}
+        joints = self._joints.values()
+        return {j.name: _one_or_several(q[j.idx_q : j.idx_q + j.nq]) for j in joints}
 
     def limits(self, name: str) -> tuple[float, float]:
         """Return the lower and upper limit of a joint with one degree of freedom."""
@@ -245,7 +221,7 @@ class JointCoordinates:
         if limits:
             lower, upper = self.lower[turned], self.upper[turned]
             beyond = np.isfinite(lower) & ((values < lower) | (values > upper))
-            up = values + 2.0 * np.pi * np.ceil((lower - values - _LIMIT_SLACK) / (2.0 * np.pi))
+            up = values + 2.0 * np.pi * np.ceil((lower - values - LIMIT_SLACK) / (2.0 * np.pi))
             values = np.where(beyond, up, values)
         return self.with_values(q, turned, values)
 
@@ -256,8 +232,8 @@ class JointCoordinates:
 
     def beyond(self, values: Array, columns: Index) -> NDArray[np.bool_]:
         """Tell which values of these columns are outside their limits; with any leading axes."""
-        below = values < self.lower[columns] - _LIMIT_SLACK
-        return np.asarray(below | (values > self.upper[columns] + _LIMIT_SLACK))
+        below = values < self.lower[columns] - LIMIT_SLACK
+        return np.asarray(below | (values > self.upper[columns] + LIMIT_SLACK))
 
     def outside(self, values: Array, columns: Index) -> list[str]:
         """Return the joints of these columns whose values are outside their limits."""
@@ -291,7 +267,7 @@ class JointCoordinates:
     def _entries(self, joint: _Joint, given: float | Sequence[float]) -> Array:
         values = np.atleast_1d(as_numbers(given, f"the value of joint {joint.name!r}"))
         if values.shape == (joint.nq,):
-            return self._normalised(joint, values)
+            return values if joint.nq == joint.nv else self._normalised(joint, values)
         if values.shape != (joint.nv,):
             wanted = f"{joint.nv}" if joint.nv == joint.nq else f"{joint.nv} or {joint.nq}"
             plural = "" if wanted == "1" else "s"
@@ -334,6 +310,11 @@ def _seen_to_turn(model: pin.Model) -> NDArray[np.bool_]:
     motions = pin.computeJointJacobians(model, model.createData(), pin.neutral(model))
     motions = motions.reshape(6, -1)  # a vector where there is one degree of freedom
     return np.asarray(np.abs(motions[3:]).max(axis=0, initial=0.0) > 0.0)
+
+
+def _one_or_several(values: Array) -> float | tuple[float, ...]:
+    numbers = tuple(values.tolist())
+    return numbers[0] if len(numbers) == 1 else numbers
 
 
 def entry_names(model: pin.Model) -> tuple[str, ...]:

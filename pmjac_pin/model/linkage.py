@@ -18,11 +18,11 @@ import numpy as np
 import pinocchio as pin
 
 from pmjac_pin.errors import ArgumentError, quoted
+from pmjac_pin.model.joint_form import frame_along
 from pmjac_pin.model.joint_kind import JointKind
 from pmjac_pin.model.joint_kinds import kind_named, known_kind, pitch_of
 from pmjac_pin.values.arrays import Array
 from pmjac_pin.values.checks import LARGEST
-from pmjac_pin.values.ties import first_smallest
 
 _OVER = pin.SE3(np.diag([1.0, -1.0, -1.0]), np.zeros(3))  # half a turn about x: z becomes −z
 
@@ -88,11 +88,7 @@ def turned_to(axis: Sequence[float] | Array) -> pin.SE3:
     >>> turned_to([1.0, 0.0, 0.0]).rotation.round(12)[:, 2].tolist()
     [1.0, 0.0, 0.0]
     """
-    z = np.asarray(axis, dtype=float)
-    x = np.eye(3)[first_smallest(z)]
-    x = x - (x @ z) * z
-    x /= np.linalg.norm(x)
-    return pin.SE3(np.column_stack([x, np.cross(z, x), z]), np.zeros(3))
+    return pin.SE3(frame_along(np.asarray(axis, dtype=float)))
 
 
 def edges_of(model: pin.Model) -> dict[str, Edge]:

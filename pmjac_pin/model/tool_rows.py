@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Literal
 
-from pmjac_pin.errors import ArgumentError, did_you_mean
+from pmjac_pin.errors import ArgumentError, did_you_mean, quoted
 from pmjac_pin.values.checks import as_names
 
 ToolAxes = Literal["LOCAL_WORLD_ALIGNED", "LOCAL"]
@@ -17,7 +17,6 @@ WORLD_AXES: ToolAxes = "LOCAL_WORLD_ALIGNED"
 _TOOL_AXES: dict[str, ToolAxes] = {WORLD_AXES: WORLD_AXES, "LOCAL": "LOCAL"}
 _IN_WORDS = {WORLD_AXES: "the world's axes", "LOCAL": "the tool's own axes"}
 _BLOCKS = (TWIST_ROWS[:3], TWIST_ROWS[3:])
-_SHOWN = 40  # characters of a name that does not exist
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,7 +94,7 @@ def checked_rows(names: Iterable[str]) -> tuple[str, ...]:
     for name in given:
         if name not in TWIST_ROWS:
             hint = did_you_mean(name, TWIST_ROWS)
-            raise ArgumentError(f"unknown row {_brief(name)} of the tool's twist{hint}")
+            raise ArgumentError(f"unknown row {quoted(name)} of the tool's twist{hint}")
     if len(set(given)) < len(given):
         twice = next(name for name in given if given.count(name) > 1)
         raise ArgumentError(f"the row {twice!r} is listed twice in the tool's rows")
@@ -112,10 +111,5 @@ def checked_axes(axes: str) -> ToolAxes:
     """
     if not isinstance(axes, str) or axes not in _TOOL_AXES:
         both = "LOCAL_WORLD_ALIGNED (the world's) or LOCAL (the tool's own)"
-        raise ArgumentError(f"the axes of the tool's rows are {both}, got {_brief(axes)}")
+        raise ArgumentError(f"the axes of the tool's rows are {both}, got {quoted(axes)}")
     return _TOOL_AXES[axes]
-
-
-def _brief(given: object) -> str:
-    text = repr(given)
-    return text if len(text) <= _SHOWN else f"{text[:_SHOWN]}..."

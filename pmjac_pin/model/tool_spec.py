@@ -36,7 +36,8 @@ class Tool(TomlTable, frozen=True, kw_only=True):
             raise ArgumentError(
                 f"the three points of a tool must differ, got {quoted(list(self.points))}"
             )
-        force_setattr(self, "axes", checked_axes(self.axes))
+        if self.axes is not WORLD_AXES:
+            force_setattr(self, "axes", checked_axes(self.axes))
         if self.rows is not None:
             force_setattr(self, "rows", checked_rows(self.rows))
         elif self.axes != WORLD_AXES:

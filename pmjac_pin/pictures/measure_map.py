@@ -101,9 +101,7 @@ def _continued(values: Array) -> Array:
     if unknown.all():
         return values
     away, (i, j) = distance_transform_edt(unknown, return_indices=True)
-    return (
-        np.where(away <= _UNREACHED * 2**0.5, values[i, j], np.nan) if not unknown.all() else values
-    )
+    return np.where(away <= _UNREACHED * 2**0.5, values[i, j], np.nan)
 
 
 def _outlines(found: Workspace) -> Any:

@@ -122,11 +122,6 @@ def symbol(name: str) -> str:
     return f"${written}_{{{number}}}$" if number else f"${written}$"
 
 
-def held_in_words(held: Sequence[tuple[str, float, str]]) -> str:
-    """Return what is held, with units: l₃ = 1 m."""
-    return ", ".join(f"{symbol(name)} = {value:.4g} {unit}" for name, value, unit in held)
-
-
 def around(places: Sequence[Array], lower: Array, upper: Array, units: Sequence[str]) -> Any:
     """Return ends (2,), (2,) of axes around what is drawn in a window, but of whole turns.
 

@@ -20,7 +20,7 @@ from pmjac_pin.pictures.figures import as_it_is, new_figure
 from pmjac_pin.pictures.pose_figure import headings
 from pmjac_pin.pictures.stick_drawing import draw_figure, frame_of, view_of
 from pmjac_pin.pictures.stick_figure import StickFigure, StickFigures
-from pmjac_pin.pictures.within_limits import within_limits
+from pmjac_pin.pictures.within_limits import Quantity, ellipsoid_of, where_it_moves, within_limits
 from pmjac_pin.rates.ellipsoid import Ellipsoid
 from pmjac_pin.rates.motor_limits import Limits
 from pmjac_pin.rates.solid import Solid
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 # By quantity: the words for what is drawn within limits.
-WITHIN = {
+WITHIN: dict[Quantity, str] = {
     "linear": "Linear velocity of the tool within the motors' rate limits",
     "angular": "Angular velocity of the tool within the motors' rate limits",
     "force": "Force at the tool, where it moves, within the motors' effort limits",
@@ -96,7 +96,7 @@ def plot(
     >>> [axes.get_title() for axes in figure.axes][1:]
     ['X–Y plane']
     """
-    ellipsoid, solid = _shown(configuration, quantity, frame, limits)
+    solid, ellipsoid = _shown(configuration, quantity, frame, limits)
     wanted = _checked_planes(planes)
     drawn = StickFigures(configuration.mechanism)(configuration)
     view = view_of([drawn])
@@ -111,7 +111,7 @@ def plot(
     figure: Any = new_figure(heading, usual if size is None else _inches(size), fontsize=13)
     figure.get_layout_engine().set(wspace=0.1, hspace=0.06)
     panels = figure.subfigures(1, 1)
-    about = bounded(ellipsoid) if solid is None else WITHIN[quantity]
+    about = bounded(ellipsoid) if solid is None else WITHIN[quantity]  # type: ignore[index]
     panels.suptitle(as_it_is(f"{about}\n{lines}"), fontsize=10)
     grid = panels.add_gridspec(rows, columns)
     _draw_machine(panels.add_subplot(grid[:, 0]), drawn, view)
@@ -126,20 +126,14 @@ def _shown(
     quantity: str,
     frame: str | pin.ReferenceFrame,
     limits: Limits | None,
-) -> tuple[Ellipsoid, Solid | None]:
+) -> tuple[Solid | None, Ellipsoid]:
     check_kind(configuration, Configuration)
     jacobian = configuration.jacobian(frame)
-    known = {
-        "linear": jacobian.velocity_ellipsoid,
-        "angular": jacobian.angular_ellipsoid,
-        "force": jacobian.force_ellipsoid,
-    }
-    if not isinstance(quantity, str) or quantity not in known:
-        raise ArgumentError(f"no quantity {quoted(quantity)}{did_you_mean(quantity, known)}")
-    if limits is not None:
-        within = within_limits(jacobian, quantity, limits)  # type: ignore[arg-type]
-        return within.ellipsoid, within.solid
-    return known[quantity](), None
+    if not isinstance(quantity, str) or quantity not in WITHIN:
+        raise ArgumentError(f"no quantity {quoted(quantity)}{did_you_mean(quantity, WITHIN)}")
+    if limits is None:
+        return None, ellipsoid_of(jacobian, quantity)
+    return within_limits(jacobian, quantity, limits)
 
 
 def _checked_planes(given: Sequence[str] | None) -> Sequence[str] | None:
@@ -163,10 +157,7 @@ def _forces_in_plane(ellipsoid: Ellipsoid, across: int) -> Ellipsoid:
     unbounded = np.isinf(ellipsoid.radii).tolist() == [True, False, False]
     if not (unbounded and abs(ellipsoid.axes[across, 0]) > 1.0 - _ACROSS):
         return ellipsoid
-    radii = np.array([*ellipsoid.radii[1:], 0.0])
-    return Ellipsoid(
-        radii, np.roll(ellipsoid.axes, -1, axis=1), ellipsoid.unit, ellipsoid.motor_unit
-    )
+    return where_it_moves(ellipsoid)
 
 
 def _usual_planes(across: int | None, ellipsoid: Ellipsoid) -> Sequence[str]:

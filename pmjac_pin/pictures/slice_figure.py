@@ -23,8 +23,8 @@ from pmjac_pin.pictures.paper_axes import (
     Drawn,
     add_legend,
     around,
-    held_in_words,
     paper_axes,
+    symbol,
 )
 from pmjac_pin.studies.singularities.locus import SingularityLocus
 from pmjac_pin.studies.workspaces.workspace import Workspace
@@ -128,6 +128,5 @@ def _reached(found: Workspace) -> Array:
 def _held_values(found: SingularityLocus | Workspace) -> str:
     """Return what is held, for the legend's title."""
     units = found.at.mechanism.units
-    return held_in_words(
-        [(name, value, units.get(name, "m")) for name, value in found.held.items()]
-    )
+    held = found.held.items()
+    return ", ".join(f"{symbol(name)} = {value:.4g} {units.get(name, 'm')}" for name, value in held)

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 
 from pmjac_pin.errors import ArgumentError
 from pmjac_pin.pictures.figures import as_it_is, new_figure
+from pmjac_pin.rates.motor_limits import EFFORT_UNITS
 from pmjac_pin.studies.transmissions.transmission_map import TransmissionMap
 from pmjac_pin.values.arrays import Array
 from pmjac_pin.values.checks import as_limits, check_kind
@@ -19,8 +20,6 @@ if TYPE_CHECKING:
 _BLUE, _VERMILION, _GREY = "#0072B2", "#D55E00", "#B8B8B8"
 _SIGNS = np.array([[1.0, 1.0], [1.0, -1.0], [-1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]])
 _LEVELS = 12
-_EFFORTS = {"rad": "N m", "m": "N"}
-_RATES = {"rad": "rad/s", "m": "m/s"}
 _TWO_JOINTS = 2
 
 
@@ -90,7 +89,7 @@ def _draw_polygons(axes: Any, found: TransmissionMap, limits: Array) -> None:
     axes.axhline(0.0, color="0.8", linewidth=0.8, zorder=0)
     axes.axvline(0.0, color="0.8", linewidth=0.8, zorder=0)
     units = found.transmission.by_motors.units
-    one, other = (as_it_is(f"{name} [{_EFFORTS[units[name]]}]") for name in found.joints)
+    one, other = (as_it_is(f"{name} [{EFFORT_UNITS[units[name]]}]") for name in found.joints)
     axes.set(title="Efforts within the limits", xlabel=one, ylabel=other)
     axes.legend(loc="upper right", fontsize=8)
     axes.margins(y=0.25)
@@ -127,7 +126,7 @@ def _draw_lines(panels: Any, found: TransmissionMap, limits: Array) -> None:
         panels,
         ("Gear ratio", "Largest effort", "Largest rate"),
         (found.ratio[:, 0, 0], efforts, rates),
-        (f"{motor} by {joint}", f"{joint} [{_EFFORTS[unit]}]", f"{joint} [{_RATES[unit]}]"),
+        (f"{motor} by {joint}", f"{joint} [{EFFORT_UNITS[unit]}]", f"{joint} [{unit}/s]"),
         strict=True,
     ):
         axes.plot(axis, values, color=_BLUE, marker=".")

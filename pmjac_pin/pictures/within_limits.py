@@ -6,8 +6,8 @@ fill a ball in that box. So the ellipsoid is inscribed in the polytope, whatever
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from typing import Literal, TypeAlias
+from dataclasses import replace
+from typing import Literal, TypeAlias, assert_never
 
 import numpy as np
 
@@ -19,16 +19,25 @@ from pmjac_pin.rates.solid import Solid, force_solid, velocity_solid
 Quantity: TypeAlias = Literal["linear", "angular", "force"]
 
 
-@dataclass(frozen=True, eq=False)
-class WithinLimits:
-    """A polytope and the ellipsoid that is inscribed in it."""
+def ellipsoid_of(
+    jacobian: EquivalentJacobian, quantity: Quantity, limits: Limits | None = None
+) -> Ellipsoid:
+    """Return the ellipsoid of a quantity, in shares of limits where these are given."""
+    match quantity:
+        case "linear":
+            return jacobian.velocity_ellipsoid(limits)
+        case "angular":
+            return jacobian.angular_ellipsoid(limits)
+        case "force":
+            return jacobian.force_ellipsoid(limits)
+        case _:
+            assert_never(quantity)
 
-    solid: Solid
-    ellipsoid: Ellipsoid
 
-
-def within_limits(jacobian: EquivalentJacobian, quantity: Quantity, limits: Limits) -> WithinLimits:
-    """Return what the tool does within limits, in the frame of `jacobian`.
+def within_limits(
+    jacobian: EquivalentJacobian, quantity: Quantity, limits: Limits
+) -> tuple[Solid, Ellipsoid]:
+    """Return what the tool does within limits, in the frame of `jacobian`, and the ellipsoid in it.
 
     Parameters
     ----------
@@ -44,13 +53,7 @@ def within_limits(jacobian: EquivalentJacobian, quantity: Quantity, limits: Limi
         Limits that are none, or that the model does not state; a tool that does not move so.
     """
     solid = solid_within(jacobian, quantity, limits)
-    match quantity:
-        case "linear":
-            return WithinLimits(solid, jacobian.velocity_ellipsoid(limits))
-        case "angular":
-            return WithinLimits(solid, jacobian.angular_ellipsoid(limits))
-        case "force":
-            return WithinLimits(solid, _where_it_moves(jacobian.force_ellipsoid(limits)))
+    return solid, where_it_moves(ellipsoid_of(jacobian, quantity, limits))
 
 
 def solid_within(jacobian: EquivalentJacobian, quantity: Quantity, limits: Limits) -> Solid:
@@ -66,7 +69,7 @@ def solid_within(jacobian: EquivalentJacobian, quantity: Quantity, limits: Limit
             return force_solid(*linear, effort_limits(limits, jacobian.partition))
 
 
-def _where_it_moves(ellipsoid: Ellipsoid) -> Ellipsoid:
+def where_it_moves(ellipsoid: Ellipsoid) -> Ellipsoid:
     """Return an ellipsoid without the directions in which it has no bound: flat across them."""
     unbounded = int(np.isinf(ellipsoid.radii).sum())
     radii = np.append(ellipsoid.radii[unbounded:], np.zeros(unbounded))

@@ -9,22 +9,23 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import partial
 
 from numpy.typing import ArrayLike
 
-from pmjac_pin.errors import ArgumentError, ForbiddenRatesError, quoted
+from pmjac_pin.errors import ArgumentError, ForbiddenRatesError
 from pmjac_pin.rates.actuation import analyse_actuation
 from pmjac_pin.rates.elimination import refuse_felt_idle_motion, refuse_singular
 from pmjac_pin.rates.partition import LoopRates
 from pmjac_pin.rates.singularity import Singularity, analyse_singularity
 from pmjac_pin.rates.split import SplitJacobian
+from pmjac_pin.rates.twist_map import TwistMap
 from pmjac_pin.values.arrays import Array, norm, read_only
-from pmjac_pin.values.checks import as_numbers
+from pmjac_pin.values.checks import as_numbers, check_kind
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class AllowedJacobian(SplitJacobian):
+class AllowedJacobian(TwistMap):
     """The map from the motor rates that the loops allow to the tool twist.
 
     Attributes
@@ -42,28 +43,9 @@ class AllowedJacobian(SplitJacobian):
 
     leading: tuple[str, ...]
     motor_rates: Array
-    passive_rates: Array
-    J_eq: Array
 
-    @property
-    def Jv_eq(self) -> Array:
-        """Linear rows of J_eq, shape (3, a): m/s per unit rate of a leading motor."""
-        return self.J_eq[:3]
-
-    @property
-    def Jw_eq(self) -> Array:
-        """Angular rows of J_eq, shape (3, a): rad/s per unit rate of a leading motor."""
-        return self.J_eq[3:]
-
-    @cached_property
-    def motion_map(self) -> Array:
-        """G with q̇ = G u, shape (nv, a): J_eq = J G and the constraint Jacobian times G is 0."""
-        return self._motions(self.motor_rates, self.passive_rates)
-
-    @property
-    def sizes(self) -> Array:
-        """What the entries of J_eq are compared with, linear and angular, shape (2,)."""
-        return self._sizes_of_motions(self.motion_map)
+    def _of_all_motors(self) -> Array:
+        return self.motor_rates
 
     def twist(self, motor_rates: ArrayLike) -> Array:
         """Return the tool twist (6,) of rates of all motors, if these fit each other.
@@ -129,8 +111,7 @@ def allowed_jacobian(
     IdleMotionError
         A passive motion that no motor commands moves the tool.
     """
-    if not isinstance(split, SplitJacobian):
-        raise ArgumentError(f"a SplitJacobian is needed, got {quoted(split)}")
+    check_kind(split, SplitJacobian)
     partition, constraint, J = split.partition, split.constraint_jacobian, split.tool_jacobian
     found = loops or partition.loop_rates(constraint)
     refuse_singular(
@@ -149,9 +130,9 @@ def allowed_jacobian(
         J,
         split.frame,
         partition,
-        tuple(partition.actuated_names[k] for k in actuation.sufficient),
-        actuation.allowed,
         rates,
         J[:, actuated] @ actuation.allowed + J[:, passive] @ rates,
+        tuple(partition.actuated_names[k] for k in actuation.sufficient),
+        actuation.allowed,
         pose=split.pose,
     )

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from pmjac_pin.errors import NoInertiaError
+from pmjac_pin.rates.factorisation import factorise
 from pmjac_pin.rates.motion import Motion
 from pmjac_pin.rates.partition import Partition
 from pmjac_pin.values.arrays import Array, ReadOnlyArrays, read_only
@@ -167,13 +168,14 @@ def least_inertia(mass: Array, idle: Array, scale: Array) -> float:
 
 
 def check_inertia(mass_matrix: Array, scale: Array, massless: Callable[[], Sequence[str]]) -> None:
-    """Raise where some motion of the motors moves no mass.
+    """Raise where some motion moves no mass.
 
     Parameters
     ----------
     mass_matrix : ndarray, shape (n, n)
+        Of motions that the loops allow: of the motors, or of all.
     scale : ndarray, shape (n,)
-        Natural rates of the motors.
+        Their natural rates.
     massless : callable
         () ↦ the bodies that have no mass, for the message.
     """
@@ -183,5 +185,25 @@ def check_inertia(mass_matrix: Array, scale: Array, massless: Callable[[], Seque
         listed = ", ".join(names[:6]) + ", ..." * (len(names) > 6)
         without = f": bodies without one are {listed}" if names else ""
         raise NoInertiaError(
-            f"some motion of the motors moves no mass{without}; add inertia, or use statics"
+            f"some motion that loops allow moves no mass{without}; add inertia, or use statics"
         )
+
+
+def check_inertia_of_tree(
+    mass: Array, equations: Array, scale: Array, massless: Callable[[], Sequence[str]]
+) -> None:
+    """Raise where some motion moves no mass, idle ones included.
+
+    Parameters
+    ----------
+    mass : ndarray, shape (nv, nv)
+        Of the cut tree.
+    equations : ndarray, shape (r, nv)
+        Independent ones of the loops: what they let pass is allowed.
+    scale : ndarray, shape (nv,)
+        Natural rates.
+    massless : callable
+        As for `check_inertia`.
+    """
+    allowed = scale[:, None] * factorise(equations * scale, 0.0).null_space
+    check_inertia(allowed.T @ mass @ allowed, np.ones(allowed.shape[1]), massless)

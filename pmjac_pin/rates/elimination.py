@@ -15,7 +15,6 @@ from pmjac_pin.errors import (
     ForbiddenRatesError,
     IdleMotionError,
     SingularError,
-    quoted,
 )
 from pmjac_pin.rates.factorisation import REFINED, Factorisation
 from pmjac_pin.rates.jacobian import EquivalentJacobian
@@ -57,8 +56,7 @@ def equivalent_jacobian(
     IdleMotionError
         A passive motion that no motor commands moves the tool.
     """
-    if not isinstance(split, SplitJacobian):
-        raise ArgumentError(f"a SplitJacobian is needed, got {quoted(split)}")
+    check_kind(split, SplitJacobian)
     partition, constraint, J = split.partition, split.constraint_jacobian, split.tool_jacobian
     if np.isnan(J).any():
         raise ArgumentError("a tool Jacobian of numbers is needed: this one is of no tool")
@@ -76,11 +74,11 @@ def eliminated(
     """Return Φ and J_eq of a tool Jacobian (6, nv), or raise as `equivalent_jacobian`."""
     actuated, passive = partition.actuated, partition.passive
     scaled, size, factors = loops.scaled, loops.size, loops.passive
+    rank, driving = factors.rank, loops.driving
     refuse_singular(loops, partition, singularity)
-    driving = loops.driving
-    if factors.rank < len(scaled) and loops.not_followed > partition.rank_tolerance * size:
+    if rank < len(scaled) and loops.not_followed > partition.rank_tolerance * size:
         _refuse_forbidden(factors, scaled, partition)
-    if factors.rank < passive.size:
+    if rank < passive.size:
         refuse_felt_idle_motion(factors, J, partition)
     rates = factors.solve(driving)
     if not factors.surely_exceeds(REFINED * size):

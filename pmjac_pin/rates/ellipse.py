@@ -9,15 +9,13 @@ from __future__ import annotations
 import itertools
 import math
 import operator
-from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from pmjac_pin.errors import ArgumentError, quoted
-from pmjac_pin.values.arrays import Array
+from pmjac_pin.values.arrays import Array, ReadOnlyArrays
 from pmjac_pin.values.ties import LIKE
 
 MOST_POINTS = 5000  # of an outline, and each way of a surface: 25 million in all
@@ -31,8 +29,8 @@ TIE = 1e-9
 _WORLD = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
 
 
-@dataclass(frozen=True, eq=False, repr=False, slots=True)
-class Ellipse:
+@dataclass(frozen=True, eq=False, repr=False)
+class Ellipse(ReadOnlyArrays):
     """A section or a projection of an `Ellipsoid`, in the coordinates of its plane.
 
     Attributes
@@ -56,11 +54,7 @@ class Ellipse:
 
     def __post_init__(self) -> None:
         for name, shape in (("radii", (2,)), ("axes", (2, 2)), ("basis", (3, 2))):
-            object.__setattr__(self, name, real_array(getattr(self, name), name, shape))
-
-    def __reduce__(self) -> tuple[Callable[..., Ellipse], tuple[Any, ...]]:
-        # NumPy forgets the read-only flag when it pickles; the constructor sets it again.
-        return Ellipse, (self.radii, self.axes, self.basis, self.unit)
+            self.__dict__[name] = real_array(getattr(self, name), name, shape)
 
     def __repr__(self) -> str:
         return f"Ellipse(radii={brief_radii(self.radii, self.unit)})"

@@ -11,9 +11,7 @@ from __future__ import annotations
 
 import math
 import operator
-from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -30,7 +28,7 @@ from pmjac_pin.rates.ellipse import (
     real_array,
     settled_axes,
 )
-from pmjac_pin.values.arrays import Array
+from pmjac_pin.values.arrays import Array, ReadOnlyArrays
 from pmjac_pin.values.checks import LARGEST
 from pmjac_pin.values.shown import Shown
 from pmjac_pin.values.ties import first_largest
@@ -38,8 +36,8 @@ from pmjac_pin.values.ties import first_largest
 _ORTHONORMAL = 1e-6  # of lengths and scalar products
 
 
-@dataclass(frozen=True, eq=False, repr=False, slots=True)
-class Ellipsoid(Shown):
+@dataclass(frozen=True, eq=False, repr=False)
+class Ellipsoid(ReadOnlyArrays, Shown):
     """An ellipsoid about the origin: {axes @ (radii * u) : |u| ≤ 1}; in a notebook, a table.
 
     It may be flat (a zero radius), a needle (two) or a point (three), or unbounded (infinite
@@ -97,11 +95,7 @@ class Ellipsoid(Shown):
             raise ArgumentError(f'unit must be a string, such as "m/s"; got {quoted(self.unit)}')
         if not isinstance(self.motor_unit, str):
             raise ArgumentError(f"motor_unit must be a string; got {quoted(self.motor_unit)}")
-        object.__setattr__(self, "radii", radii)
-        object.__setattr__(self, "axes", axes)
-
-    def __reduce__(self) -> tuple[Callable[..., Ellipsoid], tuple[Any, ...]]:
-        return Ellipsoid, (self.radii, self.axes, self.unit, self.motor_unit)
+        self.__dict__.update(radii=radii, axes=axes)
 
     def __repr__(self) -> str:
         counted = f", motors in {self.motor_unit}" if self.motor_unit else ""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -22,9 +21,8 @@ _RESOLVED = 1e-9  # of the matrix: above, rounding moves an inverse by less than
 _SQUARED = 1e-3  # of the matrix: above, its normal equations are solved to rounding
 
 
-@dataclass(frozen=True, eq=False)
 class Factorisation:
-    """A = U diag(σ) Vᵀ with the rank that the tolerance gives.
+    """A = U diag(σ) Vᵀ with the rank that the tolerance gives: by `factorise`.
 
     Of a matrix whose columns are independent beyond doubt, its inverse, or pseudoinverse where it
     has more rows, tells all that is asked at a regular pose: σ_min ≥ 1/‖A⁺‖. It takes a fraction
@@ -39,9 +37,12 @@ class Factorisation:
         Relative size up to which they count as zero.
     """
 
-    matrix: Array
-    size: float
-    tolerance: float
+    def __init__(
+        self, matrix: Array, size: float, tolerance: float, inverse: Array | None, bound: float
+    ) -> None:
+        self.matrix, self.size, self.tolerance = matrix, size, tolerance
+        # A⁺ and a bound on σ_min, where that is above the tolerance for certain.
+        self._inverse, self._bound = inverse, bound
 
     @found_once
     def _svd(self) -> tuple[Array, Array, Array]:
@@ -50,26 +51,6 @@ class Factorisation:
             return np.eye(rows), np.zeros(0), np.eye(columns)
         left, values, right = np.linalg.svd(self.matrix)
         return left, values, right
-
-    @found_once
-    def _inverted(self) -> tuple[Array | None, float]:
-        """A⁺ and a bound on σ_min, where that is above the tolerance for certain."""
-        A = self.matrix
-        rows, columns = A.shape
-        if rows < columns or not columns:
-            return None, 0.0
-        try:
-            inverse = np.linalg.inv(A if rows == columns else A.T.dot(A))
-        except np.linalg.LinAlgError:
-            return None, 0.0
-        # By the largest entry: squares may overflow.
-        length = columns * float(np.maximum.reduce(np.abs(inverse), axis=None))
-        bound = _SURELY / ((length if rows == columns else math.sqrt(length)) or math.inf)
-        resolved = _RESOLVED if rows == columns else _SQUARED
-        least = max(self.tolerance, resolved) * max(self.size, norm(self.matrix))
-        if not bound > least:
-            return None, 0.0
-        return (inverse if rows == columns else _left(self.matrix, inverse)), bound
 
     @property
     def left(self) -> Array:
@@ -86,23 +67,22 @@ class Factorisation:
         """Vᵀ, shape (k, k)."""
         return self._svd[2]
 
-    @found_once
+    @property
     def rank(self) -> int:
         """How many singular values are above the tolerance."""
-        if "_svd" not in self.__dict__ and self._inverted[0] is not None:
-            return len(self._inverted[0])
+        if self._inverse is not None and "_svd" not in self.__dict__:
+            return len(self._inverse)
         return int(np.count_nonzero(self.singular_values > self.tolerance * self.size))
 
     def exceeds(self, rank: int, least: float) -> bool:
         """Tell whether the first `rank` singular values are above `least`."""
-        if self.surely_exceeds(least):
+        if self._bound > least:
             return True
         return not rank or float(self.singular_values[rank - 1]) > least
 
     def surely_exceeds(self, least: float) -> bool:
         """Tell whether all singular values are above `least` by a bound: if not, they may be."""
-        inverse, bound = self._inverted
-        return inverse is not None and bound > least
+        return self._bound > least
 
     @property
     def null_space(self) -> Array:
@@ -130,23 +110,24 @@ class Factorisation:
 
     def left_over(self, b: Array) -> float:
         """Return the norm of what of b no A x reaches, with A of its rank here."""
-        if (inverse := self._inverted[0]) is not None:
-            return norm(b - self.matrix.dot(inverse.dot(b)))
+        if self._inverse is not None:
+            return norm(b - self.matrix.dot(self._inverse.dot(b)))
         return norm(self.left_null_space.T.dot(b))
 
     def solve(self, b: Array, rank: int | None = None) -> Array:
         """Return the smallest least-squares solution x of A x = b, by the first `rank` values."""
         r = self.rank if rank is None else rank
-        if (inverse := self._inverted[0]) is not None and r == len(inverse):
-            return np.asarray(inverse.dot(b))
+        if self._inverse is not None and r == len(self._inverse):
+            solution: Array = self._inverse.dot(b)
+            return solution
         left, values, right = self._svd
         projected = left[:, :r].T.dot(b).T / values[:r]
         return np.asarray(right[:r].T.dot(projected.T))
 
     def inverse(self, rank: int) -> Array:
         """Return the pseudoinverse by the first `rank` singular values, shape (k, p)."""
-        if (known := self._inverted[0]) is not None and rank == len(known):
-            return known
+        if self._inverse is not None and rank == len(self._inverse):
+            return self._inverse
         left, values, right = self._svd
         inverse: Array = (right[:rank].T / values[:rank]).dot(left[:, :rank].T)
         return inverse
@@ -170,4 +151,21 @@ def factorise(matrix: Array, size: float, tolerance: float = RANK_TOLERANCE) -> 
         The size of what the matrix is a part of: one vanishing column alone would otherwise
         always have full rank.
     """
-    return Factorisation(matrix, size, tolerance)
+    rows, columns = matrix.shape
+    if rows < columns or not columns:
+        return Factorisation(matrix, size, tolerance, None, 0.0)
+    square = rows == columns
+    try:
+        inverse = np.linalg.inv(matrix if square else matrix.T.dot(matrix))
+    except np.linalg.LinAlgError:
+        return Factorisation(matrix, size, tolerance, None, 0.0)
+    # By the largest entry: squares may overflow.
+    entries = np.abs(inverse)
+    length = columns * entries.item(entries.argmax())
+    bound = _SURELY / ((length if square else math.sqrt(length)) or math.inf)
+    least = max(tolerance, _RESOLVED if square else _SQUARED) * max(size, norm(matrix))
+    if not bound > least:
+        return Factorisation(matrix, size, tolerance, None, 0.0)
+    return Factorisation(
+        matrix, size, tolerance, inverse if square else _left(matrix, inverse), bound
+    )

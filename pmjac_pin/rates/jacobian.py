@@ -10,15 +10,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pmjac_pin.errors import (
-    NoGradientError,
-)
+from pmjac_pin.errors import NoGradientError
 from pmjac_pin.model.tool_rows import TWIST_ROWS, checked_rows
 from pmjac_pin.rates.error_estimate import error_estimate
 from pmjac_pin.rates.gradients import gradient_of
 from pmjac_pin.rates.partition import LoopRates
 from pmjac_pin.rates.second_order import hessian, passive_hessian
-from pmjac_pin.rates.split import SplitJacobian
 from pmjac_pin.rates.tool_motion import TwistRanks
 from pmjac_pin.rates.tool_reach import ToolReach
 from pmjac_pin.values.arrays import Array, read_only
@@ -26,7 +23,7 @@ from pmjac_pin.values.found_once import found_once
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class EquivalentJacobian(SplitJacobian, ToolReach):
+class EquivalentJacobian(ToolReach):
     """The map from motor rates to the tool twist, and the matrices that it is made of.
 
     Attributes
@@ -36,24 +33,6 @@ class EquivalentJacobian(SplitJacobian, ToolReach):
     J_eq : ndarray, shape (6, n)
         J − J* K*⁻¹ K (30)–(32), linear rows first, in `frame`.
     """
-
-    passive_rates: Array
-    J_eq: Array
-
-    @property
-    def Jv_eq(self) -> Array:
-        """Linear rows of J_eq, shape (3, n): m/s per unit motor rate."""
-        return self.J_eq[:3]
-
-    @property
-    def Jw_eq(self) -> Array:
-        """Angular rows of J_eq, shape (3, n): rad/s per unit motor rate."""
-        return self.J_eq[3:]
-
-    @found_once
-    def motion_map(self) -> Array:
-        """G with q̇ = G θ̇, shape (nv, n): J_eq = J G and the constraint Jacobian times G is 0."""
-        return self._motions(np.eye(self.partition.actuated.size), self.passive_rates)
 
     @found_once
     def _loops(self) -> LoopRates:
@@ -69,14 +48,6 @@ class EquivalentJacobian(SplitJacobian, ToolReach):
         idle = np.zeros((self.tool_jacobian.shape[1], partition.passive.size - passive.rank))
         idle[partition.passive] = passive.null_space
         return read_only(partition.column_scale[:, None] * idle)
-
-    @property
-    def sizes(self) -> Array:
-        """What the entries of J_eq are compared with, linear and angular, shape (2,).
-
-        ‖J‖ ‖G‖ for J_eq = J G: of that, rounding leaves some 1e-16 where J_eq should be zero.
-        """
-        return self._sizes_of_motions(self.motion_map)
 
     @found_once
     def gv_eq(self) -> Array:

@@ -15,6 +15,9 @@ from pmjac_pin.values.checks import as_limits
 #: In which rates or efforts are counted that are given as such.
 SHARES = "shares of their limits"
 
+#: By the unit of a motor's or a joint's value.
+EFFORT_UNITS = {"m": "N", "rad": "N m"}
+
 Limits: TypeAlias = ArrayLike | Literal["model"]
 
 
@@ -51,7 +54,7 @@ def rates_unit(partition: Partition) -> str:
 
 def efforts_unit(partition: Partition) -> str:
     """Return in which motor efforts are counted, such as "N and N m"; "" where not known."""
-    return " and ".join({"m": "N", "rad": "N m"}[unit] for unit in _motor_units(partition))
+    return " and ".join(EFFORT_UNITS[unit] for unit in _motor_units(partition))
 
 
 def _motor_units(partition: Partition) -> list[str]:

@@ -26,7 +26,6 @@ from pmjac_pin.values.ties import pivots
 _LEAST_SIZE = 0.1  # of [K K*], beside its generic size
 
 
-@dataclass(frozen=True, eq=False)
 class LoopRates:
     """What the loops allow at one pose: [K K*] without dimension, its size, K* factorised.
 
@@ -35,19 +34,13 @@ class LoopRates:
     scaled : ndarray, shape (p, nv)
     size : float
     passive : Factorisation
-    actuated : ndarray of int, shape (n,)
-        The columns of K.
+    driving : ndarray, shape (p, n)
+        K without dimension.
     """
 
-    scaled: Array
-    size: float
-    passive: Factorisation
-    actuated: Index
-
-    @found_once
-    def driving(self) -> Array:
-        """K without dimension, shape (p, n)."""
-        return self.scaled.take(self.actuated, axis=1)
+    def __init__(self, scaled: Array, size: float, passive: Factorisation, actuated: Index) -> None:
+        self.scaled, self.size, self.passive = scaled, size, passive
+        self.driving = scaled.take(actuated, axis=1)
 
     @found_once
     def not_followed(self) -> float:
@@ -144,6 +137,11 @@ class Partition(ReadOnlyArrays):
         """Natural rates of the motors, shape (n,): of `column_scale`."""
         return read_only(self.column_scale[self.actuated])
 
+    @cached_property
+    def passive_scale(self) -> Array:
+        """Natural rates of the passive joints, shape (m_p,): of `column_scale`."""
+        return read_only(self.column_scale[self.passive])
+
     @property
     def isolated(self) -> bool:
         """Whether a joint cannot be moved though its rates are not forbidden, near home either.
@@ -198,8 +196,7 @@ class Partition(ReadOnlyArrays):
     @cached_property
     def rate_scale(self) -> Array:
         """Turns −(scaled solution of K* X = K) into φ̇ per θ̇, shape (m_p, n)."""
-        passive, actuated = self.column_scale[self.passive], self.motor_scale
-        return read_only(-np.outer(passive, 1.0 / actuated))
+        return read_only(-np.outer(self.passive_scale, 1.0 / self.motor_scale))
 
     @classmethod
     def from_matrices(
@@ -283,9 +280,9 @@ class Partition(ReadOnlyArrays):
 
     def loop_rates(self, constraint_jacobian: Array) -> LoopRates:
         """Return [K K*] without dimension at one pose, and K* factorised."""
-        scaled = self.scaled(constraint_jacobian)
-        size = self.size_of(scaled)
-        factors = self.factorise(scaled.take(self.passive, axis=1), size)
+        scaled = constraint_jacobian * self._scale
+        size = max(norm(scaled), self.least_size)
+        factors = factorise(scaled.take(self.passive, axis=1), size, self.rank_tolerance)
         return LoopRates(scaled, size, factors, self.actuated)
 
     def scaled_tool(self, tool_jacobian: Array) -> Array:

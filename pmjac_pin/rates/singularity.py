@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal, TypeAlias
+from typing import Any, Literal, TypeAlias
 
 import numpy as np
 
@@ -20,7 +20,6 @@ from pmjac_pin.rates.margins import Margins
 from pmjac_pin.rates.partition import LoopRates, Partition
 from pmjac_pin.rates.screw import Screw, principal_screws
 from pmjac_pin.rates.singularity_types import MotionDimensions, SingularityTypes
-from pmjac_pin.rates.tool_motion import ToolMotion
 from pmjac_pin.values.arrays import Array, ReadOnlyArrays, norm
 from pmjac_pin.values.found_once import found_once
 from pmjac_pin.values.shown import Shown
@@ -275,64 +274,68 @@ def analyse_singularity(
     """
     found = loops or partition.loop_rates(constraint_jacobian)
     scaled, size, passive = found.scaled, found.size, found.passive
-    whole = partition.factorise(scaled, size)
-    tool_motion = partition.tool_motion(tool_jacobian)
-    tool = tool_motion.ranks(whole.null_space)
-    forbidden = forbidden_rates(passive.left_null_space, scaled, partition)
-    gained, idle = _free(passive, partition, split)
-    free = passive.null_space
-    axes, point = (np.eye(3), np.zeros(3)) if tool_pose is None else tool_pose
-    borne = tool_motion.borne(whole.null_space)
+    whole, free = partition.factorise(scaled, size), passive.null_space
+    tool = partition.tool_motion(tool_jacobian)
+    borne, ranks = tool.borne(whole.null_space), tool.ranks(whole.null_space)
     judged = len(partition.tool_rows.names) - borne.shape[1]
-    felt = _felt(whole, free, judged, tool_motion, partition)
-    allowed, locked = whole.null_space.shape[1], free.shape[1]
-    here = MotionDimensions(allowed, locked, judged, locked - felt, tool.twist)
-    lost = lost_wrenches(whole, tool_motion, partition, slopes, partition.tool_rank - here.tool)
+    felt = tool.felt_rank(free, partition.passive) if free.size else 0
+    here = _dimensions(whole, free, judged, ranks.twist, felt)
+    lost = lost_wrenches(whole, tool, partition, slopes, partition.tool_rank - judged)
     scale = partition.column_scale[partition.passive, None]
+    gained, idle = _free(passive, partition, split)
     return Singularity(
+        **_of_all_poses(partition),
         singular_values=passive.singular_values / (size or 1.0),
-        tolerance=partition.rank_tolerance,
         rank=passive.rank,
-        generic_rank=partition.passive_rank,
         constraint_rank=whole.rank,
-        generic_constraint_rank=partition.constraint_rank,
-        tool_rows=partition.tool_rows,
-        tool_rank=here.tool,
-        generic_tool_rank=partition.tool_rank,
-        linear_rank=tool.linear,
-        angular_rank=tool.angular,
+        tool_rank=judged,
+        linear_rank=ranks.linear,
+        angular_rank=ranks.angular,
         free_motions=scale * gained,
         idle_motions=scale * idle,
-        forbidden_rates=forbidden,
-        actuated_names=partition.actuated_names,
-        passive_names=partition.passive_names,
+        forbidden_rates=forbidden_rates(passive.left_null_space, scaled, partition),
         types=SingularityTypes(here, partition.generic_dimensions, partition.actuated.size),
-        free_twists=_to_world_axes(axes, tool_motion.twists(free, partition.passive)),
-        borne_wrenches=_to_world_axes(axes, borne),
-        lost_wrenches=_to_world_axes(axes, lost),
-        tool_point=point,
-        length=partition.length,
-        actuated_units=partition.units_of(partition.actuated),
-        passive_units=partition.units_of(partition.passive),
-        isolated=partition.isolated,
+        free_twists=_to_world_axes(tool_pose, tool.twists(free, partition.passive)),
+        borne_wrenches=_to_world_axes(tool_pose, borne),
+        lost_wrenches=_to_world_axes(tool_pose, lost),
+        tool_point=np.zeros(3) if tool_pose is None else tool_pose[1],
         find_margins=find_margins,
     )
 
 
-def _felt(
-    whole: Factorisation, free: Array, judged: int, tool: ToolMotion, partition: Partition
-) -> int:
-    """Return how many of the judged twists free motions give: those that motors cannot, at least.
+def _of_all_poses(partition: Partition) -> dict[str, Any]:
+    """Return what a `Singularity` tells that is the same at all poses."""
+    return {
+        "tolerance": partition.rank_tolerance,
+        "generic_rank": partition.passive_rank,
+        "generic_constraint_rank": partition.constraint_rank,
+        "tool_rows": partition.tool_rows,
+        "generic_tool_rank": partition.tool_rank,
+        "actuated_names": partition.actuated_names,
+        "passive_names": partition.passive_names,
+        "length": partition.length,
+        "actuated_units": partition.units_of(partition.actuated),
+        "passive_units": partition.units_of(partition.passive),
+        "isolated": partition.isolated,
+    }
+
+
+def _dimensions(
+    whole: Factorisation, free: Array, judged: int, twist: int, felt: int
+) -> MotionDimensions:
+    """Count free motions as giving those judged twists that motors cannot, at least.
 
     Where motors can move in fewer ways than the tool does, these do the rest.
     """
-    locked = free.shape[1]
-    least = max(0, judged - (whole.null_space.shape[1] - locked))
-    return max(least, tool.felt_rank(free, partition.passive)) if locked else 0
+    allowed, locked = whole.null_space.shape[1], free.shape[1]
+    given = max(0, judged - (allowed - locked), felt) if locked else 0
+    return MotionDimensions(allowed, locked, judged, locked - given, twist)
 
 
-def _to_world_axes(axes: Array, columns: Array) -> Array:
-    return np.vstack([axes @ columns[:3], axes @ columns[3:]]) if columns.size else columns
+def _to_world_axes(pose: tuple[Array, Array] | None, columns: Array) -> Array:
+    if pose is None or not columns.size:
+        return columns
+    return np.vstack([pose[0] @ columns[:3], pose[0] @ columns[3:]])
 
 
 def _free(passive: Factorisation, partition: Partition, split: Split | None) -> tuple[Array, Array]:

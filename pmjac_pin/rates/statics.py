@@ -17,7 +17,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from pmjac_pin.errors import EffortLimitError, NoEquilibriumError, enumerated
-from pmjac_pin.rates.factorisation import Factorisation
 from pmjac_pin.rates.motor_limits import Limits, effort_limits
 from pmjac_pin.rates.partition import LoopRates, Partition
 from pmjac_pin.rates.within_limits import JUST_WITHIN, least_within, needed_limits
@@ -138,7 +137,7 @@ def balanced(loads: Array, loops: LoopRates, partition: Partition) -> Statics:
     driving = loops.scaled[:, actuated]
     efforts, open_ways = needed[actuated] - driving.T @ forces, left[:, rank:]
     # What rows do to each other with the passive joints at rest; motors may have to hold it.
-    held = Factorisation(driving.T @ open_ways, loops.size, partition.rank_tolerance)
+    held = partition.factorise(driving.T @ open_ways, loops.size)
     least = held.solve(efforts)
     efforts, forces = efforts - held.matrix @ least, forces + open_ways @ least
     internal, rows = held.left[:, : held.rank], partition.row_scale[:, None]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -18,25 +17,16 @@ from pmjac_pin.rates.motor_limits import (
     rate_limits,
     rates_unit,
 )
-from pmjac_pin.rates.partition import Partition
 from pmjac_pin.rates.polytope import Polytope, image_of_box, within_box
+from pmjac_pin.rates.twist_map import TwistMap
 from pmjac_pin.values.arrays import Array
 from pmjac_pin.values.found_once import found_once
 
 RADIUS_ROUNDING = 1e-12  # of ‖J‖ ‖G‖
 
 
-class ToolReach:
+class ToolReach(TwistMap):
     """J_eq between the motors and the tool: what an `EquivalentJacobian` knows of reach."""
-
-    if TYPE_CHECKING:
-        partition: Partition
-        J_eq: Array
-
-        @property
-        def motion_map(self) -> Array: ...  # noqa: D102
-
-        def _sizes_of_motions(self, motion_map: Array) -> Array: ...
 
     def velocity_ellipsoid(self, limits: Limits | None = None) -> Ellipsoid:
         """Return the tool velocities of all |θ̇| = 1: the principal velocities, in m/s.

@@ -13,10 +13,9 @@ import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from pmjac_pin.algebra.arrays import Numbers
+from pmjac_pin.algebra.named_outputs import named_outputs
 from pmjac_pin.algebra.program_text import C_WORDS, c_text, function_name, python_text
 from pmjac_pin.algebra.programs import Recording, Term
-from pmjac_pin.algebra.tape import Tape
-from pmjac_pin.algebra.tape_runner import run
 from pmjac_pin.closing.recorded_rates import RecordedRates
 from pmjac_pin.errors import ArgumentError, quoted, unknown_name
 from pmjac_pin.mechanism import Mechanism
@@ -200,20 +199,14 @@ class Program:
         except ValueError:
             told = f"q {poses.shape} and parameters {designs.shape}"
             raise ArgumentError(f"as many designs as poses expected, or one; got {told}") from None
-        terms = [term for array in self.outputs.values() for term in array.ravel()]
         model, count = self.mechanism.kinematics.model, math.prod(leading)
         poses, designs = (
             np.broadcast_to(one, (*leading, one.shape[-1])).reshape(count, one.shape[-1])
             for one in (poses, designs)
         )
         rows = np.hstack([unit_rows(model, poses), designs])
-        values = run(Tape.of(self.recording, terms), rows.T).T
-        ends = np.cumsum([array.size for array in self.outputs.values()])
-        parts = np.split(values, ends[:-1], axis=1)
-        return {
-            name: part.reshape(*leading, *array.shape)
-            for (name, array), part in zip(self.outputs.items(), parts, strict=True)
-        }
+        found = named_outputs(self.recording, self.outputs, rows)
+        return {name: x.reshape(*leading, *x.shape[1:]) for name, x in found.items()}
 
     def c(self, name: str | None = None) -> str:
         """Return a function in C99: ``void name(const double q[nq], double eta[p], ...)``.

@@ -8,7 +8,7 @@ round. Motor rates and tool twists do not notice: J_eq is invariant to the cut.
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterable, Mapping, Set
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,6 +18,7 @@ from msgspec.structs import replace
 from pmjac_pin.closing.assembly import build_parts
 from pmjac_pin.closing.machine_size import shifted_model
 from pmjac_pin.errors import ArgumentError, quoted, unknown_name
+from pmjac_pin.files.unused_name import unused_name
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.frames import find_frame
 from pmjac_pin.model.linkage import Edge, build, edges_of
@@ -163,7 +164,7 @@ def _held_by(mechanism: Mechanism, joint: str, loose: set[int]) -> tuple[Loop, L
         if first.body in loose:
             first, second = second, first
             seen = loop.exchanged
-        label = _unused("-".join(loop.frames), set(model.names))
+        label = unused_name("-".join(loop.frames), set(model.names))
         values = mechanism.parameters
         return loop, loop_joint(seen, values, first, second, name=label, link=model.njoints)
     why = "cut there, nothing would hold what it carries"
@@ -181,9 +182,9 @@ def _turned_round(edges: Mapping[str, Edge], start: int, end: int) -> dict[str, 
     return turned
 
 
-def _cut(edge: Edge, hub: int, keeps_its_value: bool, taken: Set[str]) -> _Cut:
+def _cut(edge: Edge, hub: int, keeps_its_value: bool, taken: set[str]) -> _Cut:
     """Return what a joint becomes: a loop, or what it moves a hub, and the hub is welded."""
-    one, other = (_unused(f"{edge.name}_{side}", taken) for side in ("child", "parent"))
+    one, other = (unused_name(f"{edge.name}_{side}", taken) for side in ("child", "parent"))
     on_child = (edge.child, edge.after.inverse())
     loop = edge.kind.loop
     if keeps_its_value or (loop is None and edge.kind.nv < _ALL):
@@ -196,15 +197,6 @@ def _cut(edge: Edge, hub: int, keeps_its_value: bool, taken: Set[str]) -> _Cut:
 
 def _frame_names(model: pin.Model) -> set[str]:
     return {frame.name for frame in model.frames}
-
-
-def _unused(name: str, taken: Set[str]) -> str:
-    """Return the name, with a number where it is taken."""
-    number = 2
-    candidate = name
-    while candidate in taken:
-        candidate, number = f"{name}_{number}", number + 1
-    return candidate
 
 
 def _new_values(

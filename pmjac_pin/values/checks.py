@@ -17,6 +17,8 @@ LARGEST = 1e9
 #: m, of what must not be zero: its square must not vanish beside rounding.
 SMALLEST = 1e-9
 
+_WITHOUT_NAMES = (np.ndarray, float, int, list, tuple)
+
 
 def as_numbers(given: object, what: str, largest: float = LARGEST) -> Array:
     """Return a float array of what the caller gave, or say what is wrong with it.
@@ -27,7 +29,7 @@ def as_numbers(given: object, what: str, largest: float = LARGEST) -> Array:
         Strings, complex numbers, ragged lists, NaN, infinities and numbers beyond `largest`;
         values with names, which must not be taken by their order.
     """
-    if type(given) is not np.ndarray and named_values(given, what) is not None:
+    if type(given) not in _WITHOUT_NAMES and named_values(given, what) is not None:
         message = f"{what} must be plain numbers in their order, got names, too"
         raise ArgumentError(f"{message}: {quoted(given)}")
     try:
@@ -41,7 +43,9 @@ def as_numbers(given: object, what: str, largest: float = LARGEST) -> Array:
         raise ArgumentError(f"{what} must have no masked entries, got {quoted(given)}")
     array = raw.astype(np.float64)
     # False of NaN; no array of magnitudes is made, which may be large.
-    if array.max(initial=0.0) <= largest and array.min(initial=0.0) >= -largest:
+    if not array.size or (
+        array.item(array.argmax()) <= largest and array.item(array.argmin()) >= -largest
+    ):
         return array
     if not np.isfinite(array).all():
         raise ArgumentError(f"{what} must be finite, got {quoted(given)}")
@@ -92,6 +96,33 @@ def check_callable(given: object, what: str) -> None:
     """Raise ArgumentError where what the caller gave can not be called, and is not None."""
     if given is not None and not callable(given):
         raise ArgumentError(f"{what} is something to be called, or None, got {quoted(given)}")
+
+
+def as_count(given: object, what: str, least: int = 1) -> int:
+    """Return a whole number that the caller gave, `least` or more, or say what is wrong with it.
+
+    Raises
+    ------
+    ArgumentError
+    """
+    if isinstance(given, bool) or not isinstance(given, int) or given < least:
+        raise ArgumentError(f"{what} is a whole number ≥ {least}, got {quoted(given)}")
+    return given
+
+
+def check_one_of(given: object, what: str, known: Iterable[object]) -> None:
+    """Raise ArgumentError where what the caller gave is none of these.
+
+    Examples
+    --------
+    >>> check_one_of("both", "kind", ("gain", "loss"))
+    Traceback (most recent call last):
+        ...
+    pmjac_pin.errors.ArgumentError: kind is gain or loss, got 'both'
+    """
+    known = tuple(known)
+    if given not in known:
+        raise ArgumentError(f"{what} is {' or '.join(map(str, known))}, got {quoted(given)}")
 
 
 def as_names(given: object, wanted: str) -> tuple[str, ...]:

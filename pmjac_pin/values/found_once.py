@@ -11,7 +11,7 @@ Value = TypeVar("Value")
 class found_once(Generic[Value]):  # noqa: N801 - as `functools.cached_property`
     """`functools.cached_property` without its lock, which costs more than what is found here.
 
-    Two threads may find the same at the same time.
+    Two threads may find the same at the same time; both have what the first of them found.
 
     Examples
     --------
@@ -35,5 +35,5 @@ class found_once(Generic[Value]):  # noqa: N801 - as `functools.cached_property`
         """Return what an instance has, or find it."""
         if instance is None:
             return self
-        found = instance.__dict__[self._name] = self._find(instance)
+        found: Value = instance.__dict__.setdefault(self._name, self._find(instance))
         return found

@@ -9,39 +9,14 @@ from pmjac_pin.errors import MissingDependencyError
 
 PAGE = Path(__file__).parent / "page"
 
-#: What of it the server hands out.
-PAGE_FILES = (
-    "angles.js",
-    "app.js",
-    "connection.js",
-    "elements.js",
-    "fit.js",
-    "labels.js",
-    "legend.js",
-    "load.css",
-    "load.js",
-    "modes.css",
-    "modes.js",
-    "numbers.js",
-    "options.js",
-    "picture.js",
-    "play.js",
-    "readout.js",
-    "replay.css",
-    "replay.js",
-    "scene.html",
-    "scene.js",
-    "sections.js",
-    "slice.css",
-    "slice.js",
-    "sliders.js",
-    "snapshot.js",
-    "stage.css",
-    "stage.js",
-    "status.js",
-    "style.css",
-    "tool.js",
-)
+#: What of it the server hands out, by suffix: index.html under a name of its own.
+TYPES = {".html": "text/html", ".js": "text/javascript", ".css": "text/css"}
+
+
+def page_files() -> list[str]:
+    """Return the names of the page's files."""
+    found = (path for path in PAGE.iterdir() if path.suffix in TYPES)
+    return sorted(path.name for path in found if path.name != "index.html")
 
 
 def meshcat_files() -> Path:

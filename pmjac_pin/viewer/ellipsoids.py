@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from typing import assert_never
 
 import numpy as np
 
@@ -12,9 +11,9 @@ from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import ClosureError
 from pmjac_pin.files.shapes import Cone, Cylinder, Sphere, Text
 from pmjac_pin.pictures.anatomy import Anatomy
+from pmjac_pin.pictures.within_limits import Quantity, ellipsoid_of
 from pmjac_pin.rates.ellipse import ties, turned_into_plane
 from pmjac_pin.rates.ellipsoid import Ellipsoid
-from pmjac_pin.rates.jacobian import EquivalentJacobian
 from pmjac_pin.values.arrays import Array, read_only
 from pmjac_pin.viewer.equivalent import equivalent
 from pmjac_pin.viewer.items import Part, stretched_between
@@ -22,7 +21,6 @@ from pmjac_pin.viewer.layers import (
     SPECK,
     Drawing,
     DrawnPose,
-    EllipsoidKind,
     lettering,
     specks,
     words,
@@ -55,8 +53,8 @@ class EllipsoidLayer:
         Metres in the picture per unit of the ellipsoid.
     """
 
-    def __init__(self, anatomy: Anatomy, kind: EllipsoidKind) -> None:
-        self._kind: EllipsoidKind = kind
+    def __init__(self, anatomy: Anatomy, kind: Quantity) -> None:
+        self._kind: Quantity = kind
         self._size = anatomy.size
         self.automatic = _automatic_scale(anatomy, kind)
         path = f"ellipsoids/{kind}"
@@ -107,19 +105,19 @@ class EllipsoidLayer:
 
 
 def find_ellipsoids(
-    configuration: Configuration, kinds: Iterable[EllipsoidKind]
-) -> dict[EllipsoidKind, Ellipsoid]:
+    configuration: Configuration, kinds: Iterable[Quantity]
+) -> dict[Quantity, Ellipsoid]:
     """Return the ellipsoids of these kinds, or nothing where no equivalent Jacobian exists."""
     kinds = tuple(kinds)
     jacobian, _ = equivalent(configuration) if kinds else (None, "")
     if jacobian is None:
         return {}
-    return {kind: _ellipsoid_of_kind(jacobian, kind) for kind in kinds}
+    return {kind: ellipsoid_of(jacobian, kind) for kind in kinds}
 
 
 def directions_after(
-    before: Mapping[EllipsoidKind, Array], ellipsoids: Mapping[EllipsoidKind, Ellipsoid]
-) -> dict[EllipsoidKind, Array]:
+    before: Mapping[Quantity, Array], ellipsoids: Mapping[Quantity, Ellipsoid]
+) -> dict[Quantity, Array]:
     """Return the axes of ellipsoids, each with the sign of the earlier one that it is most like.
 
     The earlier one need not be of the same number: where two radii cross, their axes change
@@ -147,18 +145,6 @@ def _kept_axes(before: Array, axes: Array, tied: list[bool]) -> Array:
     return axes
 
 
-def _ellipsoid_of_kind(jacobian: EquivalentJacobian, kind: EllipsoidKind) -> Ellipsoid:
-    match kind:
-        case "linear":
-            return jacobian.velocity_ellipsoid()
-        case "angular":
-            return jacobian.angular_ellipsoid()
-        case "force":
-            return jacobian.force_ellipsoid()
-        case _:
-            assert_never(kind)
-
-
 def radius_label(radius: float, unit: str) -> str:
     """Return what an axis is labelled with: always four digits, so that it keeps its width.
 
@@ -178,7 +164,7 @@ def _surface(position: Array, axes: Array, radii: Array) -> Array:
     return transform
 
 
-def _automatic_scale(anatomy: Anatomy, kind: EllipsoidKind) -> float:
+def _automatic_scale(anatomy: Anatomy, kind: Quantity) -> float:
     """Return m per unit that make the largest finite semi-axis at home `AUTOMATIC` long.
 
     From home or, where nothing can be told there, from another pose: not from the one that is

@@ -15,7 +15,7 @@ import tornado.web
 import tornado.websocket
 from tornado.iostream import IOStream
 
-from pmjac_pin.viewer.browser_files import PAGE, PAGE_FILES, meshcat_files
+from pmjac_pin.viewer.browser_files import PAGE, TYPES, meshcat_files, page_files
 from pmjac_pin.viewer.hub import Hub
 from pmjac_pin.viewer.messages import MAXIMAL_MESSAGE
 
@@ -61,8 +61,7 @@ class Files(Guarded, tornado.web.StaticFileHandler):
 
     def get_content_type(self) -> str:
         """Return the type by the suffix, whatever the machine's own tables say."""
-        types = {".html": "text/html", ".js": "text/javascript", ".css": "text/css"}
-        kind = types.get(Path(self.absolute_path or "").suffix, "application/octet-stream")
+        kind = TYPES.get(Path(self.absolute_path or "").suffix, "application/octet-stream")
         return f"{kind}; charset=utf-8"
 
 
@@ -180,13 +179,13 @@ class ControlSocket(Browser):
 
 def make_application(hub: Hub, port: int, sockets: set[Browser]) -> tornado.web.Application:
     """Return the application for a server on this port of 127.0.0.1; it keeps `sockets`."""
-    page_files = "|".join(map(re.escape, PAGE_FILES))
+    names = "|".join(map(re.escape, page_files()))
     return tornado.web.Application(
         [
             (r"/", Page),
             (r"/scene", SceneSocket, {"hub": hub}),
             (r"/control", ControlSocket, {"hub": hub}),
-            (f"/page/({page_files})", Files, {"path": str(PAGE)}),
+            (f"/page/({names})", Files, {"path": str(PAGE)}),
             (r"/static/(main\.min\.js)", Files, {"path": str(meshcat_files())}),
         ],
         default_handler_class=Missing,

@@ -9,6 +9,7 @@ import asyncio
 import contextlib
 import logging
 from collections.abc import Awaitable, Callable, Iterable, Sequence
+from functools import partial
 from typing import Generic, TypeVar
 
 from tornado.websocket import WebSocketClosedError
@@ -28,13 +29,13 @@ from pmjac_pin.viewer.messages import (
     ShowMode,
     SliceCommand,
     decode,
-    encode,
 )
 from pmjac_pin.viewer.mode_finder import ModeFinder
 from pmjac_pin.viewer.scene import solids_of
 from pmjac_pin.viewer.session import Session
 from pmjac_pin.viewer.slice_finder import SliceFinder
 from pmjac_pin.viewer.static_scene import StaticScene
+from pmjac_pin.words.plain import encoded
 
 _MOST_TRIES = 3  # of other parameters, while other pages move the motors
 _logger = logging.getLogger(__name__)
@@ -98,8 +99,12 @@ class Hub:
         self.canvas = canvas
         self._pages: dict[object, Outbox[str]] = {}
         self._scenes: dict[object, Outbox[bytes]] = {}
-        self._modes = ModeFinder(session, self._tell_modes)
-        self._slice = SliceFinder(session, self._tell_slice)
+        self._modes = ModeFinder(session, partial(self._tell, "modes"))
+        self._slice = SliceFinder(session, partial(self._tell, "slice"))
+        self._finders: dict[str, ModeFinder | SliceFinder] = {
+            "modes": self._modes,
+            "slice": self._slice,
+        }
         canvas.update(session.scene().items)
 
     def still(self) -> StaticScene:
@@ -109,11 +114,9 @@ class Hub:
     def add_page(self, page: object, send: Send) -> None:
         """Tell a page that has just been opened everything."""
         self._pages[page] = outbox = Outbox(send, list)
-        outbox.put([("about", encode(self.session.state(about=True, framing=True)))])
-        if self._modes.known:
-            outbox.put([("modes", encode(self._modes.message()))])
-        if self._slice.known:
-            outbox.put([("slice", encode(self._slice.message()))])
+        outbox.put([("about", encoded(self.session.state(about=True, framing=True)))])
+        known = (item for item in self._finders.items() if item[1].known)
+        outbox.put((key, encoded(finder.message())) for key, finder in known)
 
     def add_scene(self, scene: object, send: Send) -> None:
         """Draw the whole picture in a meshcat viewer that has just been opened."""
@@ -136,7 +139,7 @@ class Hub:
             command = decode(message)
             number = command.id
             if isinstance(command, Reframe):
-                return encode(self.session.state(number, framing=True))
+                return encoded(self.session.state(number, framing=True))
             about, jump = False, isinstance(command, Home | NamedPose | ShowMode)
             if isinstance(command, ModesCommand):
                 self._modes.obey(command)
@@ -150,17 +153,17 @@ class Hub:
                 self.session.obey(command)
                 jump = jump or not set(solids_of(self.session.options)) <= before
             self._publish(page, about=about, jump=jump)
-            return encode(self.session.state(number, about=about, jump=jump))
+            return encoded(self.session.state(number, about=about, jump=jump))
         except PmjacError as error:
-            return encode(Refusal(number, str(error)))
+            return encoded(Refusal(number, str(error)))
         except Exception:
             _logger.exception("a command of the page failed")
-            return encode(Refusal(number, "the command failed; see the log of the server"))
+            return encoded(Refusal(number, "the command failed; see the log of the server"))
 
     def close(self) -> None:
         """Give up what is still being computed."""
-        self._modes.stop()
-        self._slice.stop()
+        for finder in self._finders.values():
+            finder.stop()
 
     def show(self, configuration: Configuration) -> None:
         """Go to a configuration and tell all browsers."""
@@ -187,18 +190,13 @@ class Hub:
             scene.put(changed)
         others = [box for page, box in self._pages.items() if page is not asking]
         if others:
-            state = encode(self.session.state(about=about, jump=jump))
+            state = encoded(self.session.state(about=about, jump=jump))
             for other in others:
                 other.put([("about" if about else "state", state)])
-        self._modes.follow()
-        self._slice.follow()
+        for finder in self._finders.values():
+            finder.follow()
 
-    def _tell_modes(self) -> None:
-        self._tell("modes", encode(self._modes.message()))
-
-    def _tell_slice(self) -> None:
-        self._tell("slice", encode(self._slice.message()))
-
-    def _tell(self, key: str, message: str) -> None:
+    def _tell(self, key: str) -> None:
+        message = encoded(self._finders[key].message())
         for page in self._pages.values():
             page.put([(key, message)])

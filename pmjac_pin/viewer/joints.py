@@ -79,18 +79,14 @@ def motor_names(anatomy: Anatomy) -> MidwayLabels:
 def tool_layer(anatomy: Anatomy) -> Attached:
     """Return the tool's frame: three arrows, x red, y green and z blue, that nothing hides."""
     length = FRAME_LENGTH * anatomy.size
-    shafts = stretched_between(
-        np.zeros((3, 3)), 0.75 * length * np.eye(3), np.full(3, 0.05 * length), 0.0
-    )
-    heads = stretched_between(
-        0.75 * length * np.eye(3), length * np.eye(3), np.full(3, 0.12 * length), 0.0
-    )
+    ends, necks = length * np.eye(3), 0.75 * length * np.eye(3)
+    starts, radii = np.vstack([np.zeros((3, 3)), necks]), length * np.repeat([0.05, 0.12], 3)
+    places, _ = stretched_between(starts, np.vstack([necks, ends]), radii, 0.0)
     parts = [
         Part(f"tool/{axis}/{name}", shape, colour, on_top=True)
         for name, shape in (("shaft", Cylinder()), ("head", Cone()))
         for axis, colour in zip("xyz", AXIS_COLOURS, strict=True)
     ]
-    places = np.concatenate([shafts[0], heads[0]])
     return Attached(parts, np.full(6, -1), places)
 
 

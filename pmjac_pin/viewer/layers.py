@@ -12,13 +12,13 @@ from numpy.typing import NDArray
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.files.shapes import Colour, Shape, Text
 from pmjac_pin.pictures.bodies import PointsOfBodies
+from pmjac_pin.pictures.within_limits import Quantity
 from pmjac_pin.rates.ellipsoid import Ellipsoid
 from pmjac_pin.rates.solid import Solid
 from pmjac_pin.values.arrays import Array, Index
 from pmjac_pin.viewer.facets import Facets
 from pmjac_pin.viewer.items import Part, stretched_between
 
-EllipsoidKind = Literal["linear", "angular", "force"]
 SolidKind = Literal["velocity", "force"]
 
 SPECK = 1e-6  # of the mechanism's size: what is smaller is hidden
@@ -46,8 +46,8 @@ class DrawnPose:
     """
 
     configuration: Configuration
-    ellipsoids: Mapping[EllipsoidKind, Ellipsoid]
-    directions: Mapping[EllipsoidKind, Array]
+    ellipsoids: Mapping[Quantity, Ellipsoid]
+    directions: Mapping[Quantity, Array]
     placements: Array
     scale: float
     solids: Mapping[SolidKind, Solid]

@@ -4,21 +4,8 @@ from __future__ import annotations
 
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.loop_spec import JointLoop
+from pmjac_pin.viewer import palette
 from pmjac_pin.viewer.messages import Key
-from pmjac_pin.viewer.palette import (
-    AXIS_COLOURS,
-    FIRST_ANCHOR,
-    FREE,
-    GAP,
-    GEAR,
-    JOINT,
-    LOAD,
-    MOTOR,
-    ROD,
-    SECOND_ANCHOR,
-    WHEEL,
-    hexadecimal,
-)
 
 
 def legend(mechanism: Mechanism) -> tuple[Key, ...]:
@@ -32,16 +19,15 @@ def legend(mechanism: Mechanism) -> tuple[Key, ...]:
     """
     closures = [loop for loop in mechanism.spec.loops if not isinstance(loop, JointLoop)]
     entries = [
-        (True, "motor", [MOTOR]),
-        (bool(mechanism.passive), "passive joint", [JOINT]),
-        (bool(closures), "loop closure", [FIRST_ANCHOR, SECOND_ANCHOR]),
-        (any(loop.rod(mechanism.parameters) for loop in closures), "its rod", [ROD]),
-        (bool(closures), "open gap", [GAP]),
-        (len(closures) < len(mechanism.spec.loops), "gears", [WHEEL, GEAR]),
-        (True, "tool x, y, z", list(AXIS_COLOURS)),
-        (True, "load", [LOAD]),
-        (bool(closures), "free at a singularity", [FREE]),
+        (True, "motor", [palette.MOTOR]),
+        (bool(mechanism.passive), "passive joint", [palette.JOINT]),
+        (bool(closures), "loop closure", [palette.FIRST_ANCHOR, palette.SECOND_ANCHOR]),
+        (any(loop.rod(mechanism.parameters) for loop in closures), "its rod", [palette.ROD]),
+        (bool(closures), "open gap", [palette.GAP]),
+        (len(closures) < len(mechanism.spec.loops), "gears", [palette.WHEEL, palette.GEAR]),
+        (True, "tool x, y, z", list(palette.AXIS_COLOURS)),
+        (True, "load", [palette.LOAD]),
+        (bool(closures), "free at a singularity", [palette.FREE]),
     ]
-    return tuple(
-        Key(text, tuple(map(hexadecimal, colours))) for there, text, colours in entries if there
-    )
+    shown = ((text, map(palette.hexadecimal, colours)) for there, text, colours in entries if there)
+    return tuple(Key(text, tuple(colours)) for text, colours in shown)

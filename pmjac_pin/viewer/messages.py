@@ -6,7 +6,7 @@ by msgspec; what a value means (limits, names) is checked by `Session`.
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, TypeAlias
+from typing import Annotated, Any, Literal, TypeAlias
 
 import msgspec
 
@@ -14,8 +14,7 @@ from pmjac_pin.errors import ArgumentError
 from pmjac_pin.viewer.framing import Framing
 from pmjac_pin.viewer.load_readout import LoadReadout
 from pmjac_pin.viewer.readout import Readout
-from pmjac_pin.viewer.slice_message import SliceMessage
-from pmjac_pin.words.plain import encoded
+from pmjac_pin.viewer.scene_options import SceneOptions
 
 #: Longer messages are answered with an error: the longest sensible one is far shorter.
 MAXIMAL_MESSAGE = 64 * 1024
@@ -28,6 +27,10 @@ class _Command(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag_fiel
     """A command of the page; its number comes back with the answer."""
 
     id: WholeNumber = 0
+
+    def told(self) -> dict[str, Any]:
+        """Return all of it but its number."""
+        return {name: getattr(self, name) for name in self.__struct_fields__ if name != "id"}
 
 
 class MoveMotors(_Command, frozen=True, tag="move", kw_only=True):
@@ -190,16 +193,9 @@ class Notice(msgspec.Struct, frozen=True):
     stops: tuple[int, ...] = ()
 
 
-class Drawn(msgspec.Struct, frozen=True):
-    """What is drawn."""
+class Drawn(SceneOptions, frozen=True, kw_only=True):
+    """What is drawn, and why polytopes that are chosen are not, by their kinds."""
 
-    linear: bool
-    angular: bool
-    force: bool
-    names: bool
-    scale: float
-    velocity_polytope: bool
-    force_polytope: bool
     no_polytopes: dict[str, str]
 
 
@@ -290,8 +286,3 @@ def decode(message: str | bytes) -> Command:
     except (msgspec.MsgspecError, RecursionError, UnicodeError) as error:
         raise ArgumentError(f"not understood: {error}") from None
     return command
-
-
-def encode(message: State | Refusal | Modes | SliceMessage) -> str:
-    """Write a message to a page; infinite numbers become null."""
-    return encoded(message)

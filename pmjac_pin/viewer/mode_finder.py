@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import logging
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import assert_never
@@ -10,7 +9,7 @@ from typing import assert_never
 import numpy as np
 
 from pmjac_pin.configuration import Configuration
-from pmjac_pin.errors import ArgumentError, PmjacError
+from pmjac_pin.errors import ArgumentError
 from pmjac_pin.studies.modes.aim import Aim
 from pmjac_pin.studies.modes.assembly_modes import AssemblyModes
 from pmjac_pin.studies.modes.find import find_modes
@@ -20,8 +19,6 @@ from pmjac_pin.viewer.pursuit import Pursuit
 from pmjac_pin.viewer.session import Session
 from pmjac_pin.words.modes_report import ModeReport, make_modes_report
 from pmjac_pin.words.modes_tables import count, no_more
-
-_logger = logging.getLogger(__name__)
 
 _UNSEEN, _CONFIDENCE, _MOST_STARTS = 2e-3, 0.99, 200_000
 _MOTORS_MOVED = "The motors have moved since the modes were found."
@@ -43,20 +40,14 @@ class _SearchOutcome:
         """Search at the motor values of a pose, until nobody wants it any more."""
         mechanism, theta = start.mechanism, start.actuated
         aim = Aim(_UNSEEN, _CONFIDENCE, _MOST_STARTS, wanted=wanted)
-        try:
-            modes = find_modes(mechanism, theta, np.random.default_rng(seed), True, aim)
-            report = make_modes_report(mechanism, theta, modes)
-            text = f"{count(report)} {no_more(modes.evidence)}"
-            told = tuple(mode.told() for mode in report.modes)
-            return cls(text, modes, report.modes, told, Recognition(modes))
-        except PmjacError as error:
-            return cls(str(error))
-        except Exception:
-            _logger.exception("the search for assembly modes failed")
-            return cls("The search failed; see the log of the server.")
+        modes = find_modes(mechanism, theta, np.random.default_rng(seed), True, aim)
+        report = make_modes_report(mechanism, theta, modes)
+        text = f"{count(report)} {no_more(modes.evidence)}"
+        told = tuple(mode.told() for mode in report.modes)
+        return cls(text, modes, report.modes, told, Recognition(modes))
 
 
-class ModeFinder:
+class ModeFinder(Pursuit[_SearchOutcome]):
     """What is known of the assembly modes at the session's motor values.
 
     All but the search itself runs in the server's thread. A motion of the motors makes the
@@ -70,24 +61,18 @@ class ModeFinder:
     """
 
     def __init__(self, session: Session, tell: Callable[[], None]) -> None:
+        super().__init__("search")
         self._session = session
         self._tell = tell
         self._theta = session.configuration.actuated
         self._mechanism = session.mechanism
         self._text = ""
-        self._found: _SearchOutcome | None = None
         self._current: int | None = None
-        self._pursuit = Pursuit[_SearchOutcome]("pmjac modes")
         self._searches = 0  # each has other random starts
-
-    @property
-    def known(self) -> bool:
-        """Whether there is anything to tell a page that has just been opened."""
-        return self._pursuit.going or self._found is not None
 
     def message(self) -> Modes:
         """Return what pages have to know."""
-        if self._pursuit.going:
+        if self.going:
             return Modes(status="searching", text="Searching, from random starts …")
         if self._found is None:
             return Modes(status="unknown", text=self._text)
@@ -108,7 +93,7 @@ class ModeFinder:
             case FindModes():
                 self._start()
             case StopSearch():
-                if self._pursuit.going:
+                if self.going:
                     self._forget("")
             case ShowMode():
                 self._show(command.number)
@@ -130,21 +115,19 @@ class ModeFinder:
             self._current = current
             self._tell()
 
-    def stop(self) -> None:
-        """Give up a search that is going on, silently."""
-        self._pursuit.stop()
-
     def _start(self) -> None:
-        self._found = None
         start, seed = self._session.configuration, self._searches
         self._searches += 1
-        self._pursuit.begin(lambda wanted: _SearchOutcome.of(start, seed, wanted), self._finish)
+        self._begin(lambda wanted: _SearchOutcome.of(start, seed, wanted))
         self._tell()
 
     def _finish(self, found: _SearchOutcome) -> None:
         self._found = found
         self._current = self._recognised()
         self._tell()
+
+    def _refused(self, why: str) -> _SearchOutcome:
+        return _SearchOutcome(why)
 
     def _forget(self, why: str) -> None:
         self.stop()

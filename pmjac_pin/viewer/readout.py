@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, get_args
 
 import msgspec
@@ -32,6 +33,7 @@ _SINGULARITIES = {
     "isolated": "a structure or a singular home: no pose near it closes",
 }
 _NAMES_SHOWN = 4
+_NEEDS_J_EQ = ("Jv_singular_values", "Jw_singular_values", "J_eq", "sections")
 
 
 class Section(msgspec.Struct, frozen=True):
@@ -136,13 +138,12 @@ def make_readout(configuration: Configuration, ranks: ToolRanks | None = None) -
     ('regular', ['zy', 'zx', 'xy'])
     """
     jacobian, refusal = equivalent(configuration)
+    tool = configuration.tool_pose()
     singularity = configuration.singularity()
     loops = bool(singularity.generic_rank)
-    known = {} if jacobian is None else _of_jacobian(jacobian, configuration)
-    tool = configuration.tool_pose()
+    known = dict.fromkeys(_NEEDS_J_EQ) if jacobian is None else _of_jacobian(jacobian, tool)
     return Readout(
-        Jv_singular_values=known.get("Jv"),
-        Jw_singular_values=known.get("Jw"),
+        **known,
         smallest=singularity.smallest if loops else None,
         condition=singularity.condition if loops else None,
         loops=loops,
@@ -150,11 +151,9 @@ def make_readout(configuration: Configuration, ranks: ToolRanks | None = None) -
         generic_tool_rank=singularity.generic_tool_rank,
         judged=_rank_words(singularity.tool_rows),
         residual=configuration.residual_norm,
-        J_eq=known.get("J_eq"),
         tool_position=tuple(tool.translation.tolist()),
         tool_turn=tuple(pin.log3(tool.rotation).tolist()),
         passive=tuple(configuration.passive.tolist()),
-        sections=None if jacobian is None else _sections(jacobian.velocity_ellipsoid()),
         warning=_warning(configuration, singularity, jacobian, ranks),
         beyond=_beyond(configuration),
         refusal=refusal,
@@ -165,9 +164,10 @@ def _beyond(configuration: Configuration) -> str:
     found = tuple(configuration.limits_violated)
     if not found:
         return ""
-    shown = ", ".join(found[:_NAMES_SHOWN]) + " and others" * (len(found) > _NAMES_SHOWN)
     their = "its limits" if len(found) == 1 else "their limits"
-    return f"Beyond {their}: {shown}. The loops close, but the machine cannot be here."
+    return (
+        f"Beyond {their}: {_first_names(found)}. The loops close, but the machine cannot be here."
+    )
 
 
 def _rank_words(rows: ToolRows) -> tuple[str, str]:
@@ -175,8 +175,8 @@ def _rank_words(rows: ToolRows) -> tuple[str, str]:
     return brief, f"judged on {rows}"
 
 
-def _of_jacobian(jacobian: EquivalentJacobian, configuration: Configuration) -> dict[str, Any]:
-    motors, tool = jacobian.partition.actuated.size, configuration.tool_pose()
+def _of_jacobian(jacobian: EquivalentJacobian, tool: pin.SE3) -> dict[str, Any]:
+    motors, linear = jacobian.partition.actuated.size, jacobian.velocity_ellipsoid()
     J_eq, own_sizes = {}, jacobian.sizes
     for frame in get_args(FrameName):
         entries = change_frame(jacobian.J_eq, frame, tool.rotation, tool.translation)
@@ -185,9 +185,10 @@ def _of_jacobian(jacobian: EquivalentJacobian, configuration: Configuration) -> 
         rounding = SHOWN_AS_ZERO * sizes.repeat(3)[:, None]
         J_eq[frame] = tuple(map(tuple, np.where(np.abs(entries) > rounding, entries, 0.0).tolist()))
     return {
-        "Jv": tuple(jacobian.velocity_ellipsoid().radii[:motors].tolist()),
-        "Jw": tuple(jacobian.angular_ellipsoid().radii[:motors].tolist()),
+        "Jv_singular_values": tuple(linear.radii[:motors].tolist()),
+        "Jw_singular_values": tuple(jacobian.angular_ellipsoid().radii[:motors].tolist()),
         "J_eq": J_eq,
+        "sections": _sections(linear),
     }
 
 
@@ -242,8 +243,11 @@ def _moving_names(names: tuple[str, ...], rates: Array) -> str:
     """Name the joints that take part in a motion: those above 5 % of the largest rate."""
     largest = np.abs(rates).max()
     moving = [n for n, r in zip(names, rates, strict=True) if abs(r) > 0.05 * largest]
-    shown = ", ".join(moving[:_NAMES_SHOWN])
-    return f"{shown} and others" if len(moving) > _NAMES_SHOWN else shown
+    return _first_names(moving)
+
+
+def _first_names(names: Sequence[str]) -> str:
+    return ", ".join(names[:_NAMES_SHOWN]) + " and others" * (len(names) > _NAMES_SHOWN)
 
 
 def _tool_share(configuration: Configuration, jacobian: EquivalentJacobian) -> float:

@@ -7,7 +7,6 @@ the items once and then only moves them.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
@@ -15,11 +14,11 @@ from types import MappingProxyType
 import numpy as np
 
 from pmjac_pin.configuration import Configuration
-from pmjac_pin.errors import ArgumentError, quoted
+from pmjac_pin.errors import ArgumentError
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.pictures.anatomy import Anatomy
+from pmjac_pin.pictures.within_limits import Quantity
 from pmjac_pin.values.arrays import Array, read_only
-from pmjac_pin.values.checks import as_flag
 from pmjac_pin.viewer.closures import anchor_layer, axis_layer, gap_layer, rod_layer
 from pmjac_pin.viewer.ellipsoids import EllipsoidLayer, directions_after, find_ellipsoids
 from pmjac_pin.viewer.force_arrow import ForceLayer
@@ -27,44 +26,13 @@ from pmjac_pin.viewer.free_motion import FreeMotionLayer
 from pmjac_pin.viewer.gears import belt_layer, wheel_layer
 from pmjac_pin.viewer.items import Item
 from pmjac_pin.viewer.joints import joint_layer, motor_names, rail_layer, tool_layer
-from pmjac_pin.viewer.layers import Drawing, DrawnPose, EllipsoidKind, Layer, SolidKind
+from pmjac_pin.viewer.layers import Drawing, DrawnPose, Layer, SolidKind
 from pmjac_pin.viewer.links import link_layer
 from pmjac_pin.viewer.load_sliders import load_sliders
-from pmjac_pin.viewer.solids import SolidLayer, find_solids
+from pmjac_pin.viewer.scene_options import SceneOptions
+from pmjac_pin.viewer.solids import QUANTITY_OF, SolidLayer, find_solids
 
-_LIKE: dict[SolidKind, EllipsoidKind] = {"velocity": "linear", "force": "force"}
-_DRAWN_ELLIPSOIDS: tuple[EllipsoidKind, ...] = ("linear", "angular", "force")
-
-
-@dataclass(frozen=True, slots=True)
-class SceneOptions:
-    """What is drawn beside links, joints, loop closures and free motions.
-
-    Attributes
-    ----------
-    linear, angular, force : bool
-        The ellipsoids at the tool.
-    scale : float
-        Of the ellipsoids, relative to the automatic one; positive.
-    names : bool
-        The motors' names.
-    velocity_polytope, force_polytope : bool
-        What the tool can do within the limits of each motor.
-    """
-
-    linear: bool = True
-    angular: bool = False
-    force: bool = False
-    scale: float = 1.0
-    names: bool = True
-    velocity_polytope: bool = False
-    force_polytope: bool = False
-
-    def __post_init__(self) -> None:
-        for name in (*_DRAWN_ELLIPSOIDS, "names", "velocity_polytope", "force_polytope"):
-            as_flag(getattr(self, name), name)
-        if not 0.0 < self.scale < math.inf:
-            raise ArgumentError(f"scale must be a positive number, got {quoted(self.scale)}")
+_DRAWN_ELLIPSOIDS: tuple[Quantity, ...] = ("linear", "angular", "force")
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -80,7 +48,7 @@ class Scene:
     """
 
     items: tuple[Item, ...]
-    directions: Mapping[EllipsoidKind, Array] = field(default_factory=lambda: MappingProxyType({}))
+    directions: Mapping[Quantity, Array] = field(default_factory=lambda: MappingProxyType({}))
 
 
 class SceneMaker:
@@ -117,19 +85,19 @@ class SceneMaker:
             ForceLayer(anatomy, load_sliders(mechanism)[1].upper),
         )
         self._names = motor_names(anatomy)
-        self._ellipsoids: dict[EllipsoidKind, EllipsoidLayer] = {
+        self._ellipsoids: dict[Quantity, EllipsoidLayer] = {
             kind: EllipsoidLayer(anatomy, kind) for kind in _DRAWN_ELLIPSOIDS
         }
         self._solids: dict[SolidKind, SolidLayer] = {
             kind: SolidLayer(anatomy, kind, self._ellipsoids[like].automatic)
-            for kind, like in _LIKE.items()
+            for kind, like in QUANTITY_OF.items()
         }
 
     def scene(
         self,
         configuration: Configuration,
         options: SceneOptions | None = None,
-        directions: Mapping[EllipsoidKind, Array] | None = None,
+        directions: Mapping[Quantity, Array] | None = None,
         force: Array | None = None,
     ) -> Scene:
         """Return what is to be seen of a configuration.
@@ -193,17 +161,13 @@ class SceneMaker:
             yield self._solids[solid]
 
 
-def _ellipsoids_of(options: SceneOptions) -> tuple[EllipsoidKind, ...]:
+def _ellipsoids_of(options: SceneOptions) -> tuple[Quantity, ...]:
     return tuple(kind for kind in _DRAWN_ELLIPSOIDS if getattr(options, kind))
 
 
 def solids_of(options: SceneOptions) -> tuple[SolidKind, ...]:
     """Return the polytopes that are chosen."""
-    chosen: dict[SolidKind, bool] = {
-        "velocity": options.velocity_polytope,
-        "force": options.force_polytope,
-    }
-    return tuple(kind for kind, wanted in chosen.items() if wanted)
+    return tuple(kind for kind in QUANTITY_OF if getattr(options, f"{kind}_polytope"))
 
 
 def _blocks(transforms: Array, drawings: list[Drawing]) -> Iterator[Array]:

@@ -7,18 +7,19 @@ from collections.abc import Mapping, Sequence
 from typing import assert_never
 
 import numpy as np
+from msgspec.structs import asdict
 from numpy.typing import NDArray
 
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import ArgumentError, ClosureError, LimitError
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.limits import Violation
+from pmjac_pin.pictures.within_limits import Quantity
 from pmjac_pin.rates.motor_limits import efforts_unit, rates_unit
 from pmjac_pin.rates.partition import Partition
 from pmjac_pin.studies.follow.trajectory import Trajectory
 from pmjac_pin.viewer.design import Design, is_sibling
 from pmjac_pin.viewer.framing import Framing, frame
-from pmjac_pin.viewer.layers import EllipsoidKind
 from pmjac_pin.viewer.leaving import beside_singularity, shortly_before
 from pmjac_pin.viewer.legend import legend
 from pmjac_pin.viewer.load import Load
@@ -40,7 +41,8 @@ from pmjac_pin.viewer.messages import (
 from pmjac_pin.viewer.motors import WIDEST_SLIDER
 from pmjac_pin.viewer.readout import Readout, make_readout
 from pmjac_pin.viewer.replay import Replay
-from pmjac_pin.viewer.scene import Scene, SceneOptions, solids_of
+from pmjac_pin.viewer.scene import Scene, solids_of
+from pmjac_pin.viewer.scene_options import SceneOptions
 from pmjac_pin.viewer.solids import solid_or_refusal
 
 _NO_NOTICE = Notice("", "")
@@ -96,7 +98,7 @@ class Session:
         self.replay: Replay | None = None
         self.moment: float | None = None
         self._start = configuration
-        self._directions: Mapping[EllipsoidKind, NDArray[np.float64]] = {}
+        self._directions: Mapping[Quantity, NDArray[np.float64]] = {}
 
     @property
     def mechanism(self) -> Mechanism:
@@ -126,23 +128,9 @@ class Session:
             case NamedPose():
                 self._go_to(self.mechanism.pose(command.name))
             case Options():
-                self.options = SceneOptions(
-                    linear=command.linear,
-                    angular=command.angular,
-                    force=command.force,
-                    names=command.names,
-                    scale=command.scale,
-                    velocity_polytope=command.velocity_polytope,
-                    force_polytope=command.force_polytope,
-                )
+                self.options = SceneOptions(**command.told())
             case SetLoad():
-                self.load = Load(
-                    kind=command.kind,
-                    mass=command.mass,
-                    size=command.size,
-                    azimuth=command.azimuth,
-                    elevation=command.elevation,
-                )
+                self.load = Load(**command.told())
             case _:
                 assert_never(command)
 
@@ -304,16 +292,7 @@ class Session:
             parameters=tuple(self.mechanism.parameters.values()),
             readout=self.readout(),
             notice=self.notice,
-            drawn=Drawn(
-                bool(self.options.linear),
-                bool(self.options.angular),
-                bool(self.options.force),
-                bool(self.options.names),
-                float(self.options.scale),
-                bool(self.options.velocity_polytope),
-                bool(self.options.force_polytope),
-                self._no_polytopes(),
-            ),
+            drawn=Drawn(**asdict(self.options), no_polytopes=self._no_polytopes()),
             load=make_load_readout(self.configuration, self.load),
             moment=self.moment,
             about=self._about() if about else None,

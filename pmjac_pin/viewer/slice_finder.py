@@ -2,23 +2,20 @@
 
 from __future__ import annotations
 
-import logging
 from collections.abc import Callable
 from typing import assert_never
 
 from pmjac_pin.configuration import Configuration
-from pmjac_pin.errors import ArgumentError, PmjacError, unknown_name
+from pmjac_pin.errors import ArgumentError, unknown_name
 from pmjac_pin.viewer.messages import DrawSlice, SliceCommand, Slider, StopSlice
 from pmjac_pin.viewer.pursuit import Pursuit
 from pmjac_pin.viewer.session import Session
 from pmjac_pin.viewer.slice_map import SliceMap, draw_slice
 from pmjac_pin.viewer.slice_message import SliceMessage
 
-_logger = logging.getLogger(__name__)
 
-
-class SliceFinder:
-    """The map that pages show beside the picture, and whether it is one of the pose of now.
+class SliceFinder(Pursuit[SliceMap | str]):
+    """The map that pages show beside the picture, or why there is none; and if it is of now's pose.
 
     All but the drawing itself runs in the server's thread.
 
@@ -30,21 +27,15 @@ class SliceFinder:
     """
 
     def __init__(self, session: Session, tell: Callable[[], None]) -> None:
+        super().__init__("drawing")
         self._session = session
         self._tell = tell
-        self._found: SliceMap | str | None = None  # or why there is none
         self._stale = ""
         self._seen: Configuration | None = None
-        self._pursuit = Pursuit[SliceMap | str]("pmjac slice")
-
-    @property
-    def known(self) -> bool:
-        """Whether there is anything to tell a page that has just been opened."""
-        return self._pursuit.going or self._found is not None
 
     def message(self) -> SliceMessage:
         """Return what pages have to know."""
-        if self._pursuit.going:
+        if self.going:
             return SliceMessage(status="drawing", text="Drawing …")
         if self._found is None:
             return SliceMessage(status="unknown", text="")
@@ -76,7 +67,7 @@ class SliceFinder:
                     raise ArgumentError(f"a plane is two motors, got {command.first!r} twice")
                 self._start(motors)
             case StopSlice():
-                if self._pursuit.going:
+                if self.going:
                     self.stop()
                     self._tell()
             case _:
@@ -92,10 +83,6 @@ class SliceFinder:
         if self._stale != before:
             self._tell()
 
-    def stop(self) -> None:
-        """Give up what is being drawn, silently."""
-        self._pursuit.stop()
-
     def _motor(self, name: str) -> Slider:
         motors = {motor.name: motor for motor in self._session.design.motors}
         if name not in motors:
@@ -103,33 +90,19 @@ class SliceFinder:
         return motors[name]
 
     def _start(self, motors: tuple[Slider, Slider]) -> None:
-        self._found, self._stale = None, ""
+        self._stale = ""
         pose, start = self._session.configuration, self._session.start
-        self._pursuit.begin(
-            lambda wanted: _drawn_or_refusal(pose, start, motors, wanted), self._finish
-        )
+        self._begin(lambda wanted: draw_slice(pose, start, motors, wanted))
         self._tell()
+
+    def _refused(self, why: str) -> str:
+        return why
 
     def _finish(self, found: SliceMap | str) -> None:
         self._found, self._seen = found, None
         self.follow()
         if not self._stale:
             self._tell()
-
-
-def _drawn_or_refusal(
-    pose: Configuration,
-    start: Configuration,
-    motors: tuple[Slider, Slider],
-    wanted: Callable[[], bool],
-) -> SliceMap | str:
-    try:
-        return draw_slice(pose, start, motors, wanted)
-    except PmjacError as error:
-        return str(error)
-    except Exception:
-        _logger.exception("the drawing of a slice failed")
-        return "The drawing failed; see the log of the server."
 
 
 def _told(found: SliceMap) -> str:

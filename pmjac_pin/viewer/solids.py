@@ -31,7 +31,7 @@ from pmjac_pin.viewer.layers import (
 )
 from pmjac_pin.viewer.palette import SOLID, SOLID_EDGE
 
-_QUANTITIES: dict[SolidKind, Quantity] = {"velocity": "linear", "force": "force"}
+QUANTITY_OF: dict[SolidKind, Quantity] = {"velocity": "linear", "force": "force"}
 _EDGE_RADIUS = 0.004  # of the mechanism's size, the radius of an edge
 _NO_JACOBIAN = "No polytope: there is no equivalent Jacobian at this pose."
 
@@ -106,7 +106,7 @@ def solid_or_refusal(configuration: Configuration, kind: SolidKind) -> tuple[Sol
         what = "rate" if kind == "velocity" else "effort"
         return None, f"No polytope: the model states no {what} limit of {enumerated(missing)}."
     try:
-        return solid_within(jacobian, _QUANTITIES[kind], "model"), ""
+        return solid_within(jacobian, QUANTITY_OF[kind], "model"), ""
     except ArgumentError as error:
         return None, f"No polytope: {error}."
 

@@ -6,6 +6,7 @@ import base64
 import functools
 import html
 import os
+import string
 from dataclasses import dataclass
 
 import msgspec
@@ -16,38 +17,8 @@ from pmjac_pin.viewer.browser_files import PAGE, meshcat_files
 from pmjac_pin.viewer.canvas import Canvas
 from pmjac_pin.viewer.framing import Framing
 from pmjac_pin.viewer.pose_facts import pose_facts
-from pmjac_pin.viewer.scene import SceneOptions
+from pmjac_pin.viewer.scene_options import SceneOptions
 from pmjac_pin.viewer.session import Session
-
-_TEMPLATE = """<!DOCTYPE html>
-<html lang="en">
-<head>
-<meta charset="utf-8">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<title>{title}</title>
-<style>{style}</style>
-</head>
-<body>
-<aside id="facts"><h1>{title}</h1>{facts}</aside>
-<div id="pane" role="application" tabindex="0"
- aria-label="Picture of {title}: arrow keys turn it, plus and minus zoom"></div>
-<script>{library}</script>
-<script>
-{scripts}
-const stage = makeStage(document.getElementById("pane"));
-const commands = [
-{commands}
-];
-if (stage) {{
-  for (const command of commands) {{
-    stage.viewer.handle_command_bytearray(Uint8Array.from(atob(command), (c) => c.charCodeAt(0)));
-  }}
-  stage.frameOn({framing});
-}}
-</script>
-</body>
-</html>
-"""
 
 _FRAME_STYLE = "width: 100%; height: 480px; border: 1px solid #d5d9de; border-radius: 6px"
 
@@ -86,7 +57,7 @@ class StaticScene:
 
         It loads nothing, from nowhere: what it needs is in it.
         """
-        return _TEMPLATE.format(
+        return string.Template(_page_file("still.html")).substitute(
             title=html.escape(self.title),
             facts="".join(f"<p>{html.escape(line)}</p>" for line in self.facts),
             library=_library(),
@@ -174,14 +145,7 @@ def static_scene(
     >>> scene.html()[:15]
     '<!DOCTYPE html>'
     """
-    options = SceneOptions(
-        linear=linear,
-        angular=angular,
-        force=force,
-        names=names,
-        velocity_polytope=velocity_polytope,
-        force_polytope=force_polytope,
-    )
+    options = SceneOptions(linear, angular, force, names, 1.0, velocity_polytope, force_polytope)
     session, canvas = Session(configuration, options), Canvas()
     canvas.update(session.scene().items)
     return StaticScene.of(session, canvas)

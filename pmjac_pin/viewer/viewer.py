@@ -15,7 +15,7 @@ from pmjac_pin.studies.follow.trajectory import Trajectory
 from pmjac_pin.values.checks import as_flag, check_kind
 from pmjac_pin.viewer.canvas import Canvas
 from pmjac_pin.viewer.hub import Hub
-from pmjac_pin.viewer.scene import SceneOptions
+from pmjac_pin.viewer.scene_options import SceneOptions
 from pmjac_pin.viewer.server import Server
 from pmjac_pin.viewer.session import Session
 from pmjac_pin.viewer.static_scene import StaticScene
@@ -203,14 +203,7 @@ def view(
     """
     if open_browser is not None:
         open_browser = as_flag(open_browser, "open_browser")
-    options = SceneOptions(
-        linear=linear,
-        angular=angular,
-        force=force,
-        names=names,
-        velocity_polytope=velocity_polytope,
-        force_polytope=force_polytope,
-    )
+    options = SceneOptions(linear, angular, force, names, 1.0, velocity_polytope, force_polytope)
     shown = configuration[0] if isinstance(configuration, Trajectory) else configuration
     viewer = Viewer(shown, options, port)
     if isinstance(configuration, Trajectory):

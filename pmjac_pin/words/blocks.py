@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import TypeAlias
 
@@ -45,6 +46,11 @@ class Table:
     header: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
     align: str
+
+    @classmethod
+    def of(cls, title: str, align: str, columns: Mapping[str, Iterable[str]]) -> Table:
+        """Return a table of columns, each under its name."""
+        return cls(title, tuple(columns), tuple(zip(*columns.values(), strict=True)), align)
 
 
 Block: TypeAlias = Heading | Paragraph | Verbatim | Table

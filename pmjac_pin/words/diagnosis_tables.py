@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping
 
 from pmjac_pin.studies.check.diagnosis import Diagnosis, FreeMotion
 from pmjac_pin.studies.check.diagnosis_parts import Mobility
@@ -58,16 +58,20 @@ def _loop_blocks(diagnosis: Diagnosis) -> Iterator[Block]:
     if not diagnosis.loops:
         yield Paragraph("None.")
         return
-    failed = diagnosis.failure is not None
-    columns = ("open by\n[m]", "alone\n[m]") if failed else ("rank", "needed", "open by\n[m]")
-    rows = []
-    for loop in diagnosis.loops:
-        alone = [] if loop.gap_alone is None else [brief(loop.gap_alone)]
-        ranks = [] if failed else [_count_text(loop.rank), _count_text(loop.needed)]
-        sizes = (str(len(loop.equations)), *ranks, brief(loop.gap_given), *alone)
-        rows.append((loop.name, loop.kind, loop.group or _DASH, *sizes))
-    header = ("loop", "kind", "its joints\nmove", "rows", *columns)
-    yield Table("", header, tuple(rows), "<<<>" + ">" * len(columns))
+    loops, failed = diagnosis.loops, diagnosis.failure is not None
+    columns = {
+        "loop": [loop.name for loop in loops],
+        "kind": [loop.kind for loop in loops],
+        "its joints\nmove": [loop.group or _DASH for loop in loops],
+        "rows": [str(len(loop.equations)) for loop in loops],
+    }
+    if not failed:
+        columns["rank"] = [_count_text(loop.rank) for loop in loops]
+        columns["needed"] = [_count_text(loop.needed) for loop in loops]
+    columns["open by\n[m]"] = [brief(loop.gap_given) for loop in loops]
+    if failed:
+        columns["alone\n[m]"] = [_brief_text(loop.gap_alone) for loop in loops]
+    yield Table.of("", "<<<" + ">" * (len(columns) - 3), columns)
     yield Paragraph(_FAILED_LEGEND if failed else _DIAGNOSIS_LEGEND)
 
 
@@ -118,69 +122,56 @@ def _motion_row(motion: FreeMotion) -> tuple[str, ...]:
 
 
 def _poses(diagnosis: Diagnosis) -> Table:
-    rows = []
-    for pose in diagnosis.poses:
-        moved, farthest = max(
-            ((abs(by), f"{name} {by:+.3g}") for name, by in (pose.moved or {}).items()),
-            default=(0.0, _DASH),
-        )
-        failed = "open" if diagnosis.failure or pose.failure else _DASH
-        rows.append(
-            (
-                pose.name,
-                brief(pose.gap_given),
-                farthest if moved > _NO_MOTION else _DASH,
-                pose.kind or failed,
-                _DASH if pose.smallest is None else brief(pose.smallest),
-                _DASH if pose.condition is None else brief(pose.condition),
-            )
-        )
-    header = ("pose", "open by\n[m]", "moved most\n[m or rad]", "kind", "σ_min\nof K*", "condition")
-    return Table("", header, tuple(rows), "<><<>>")
+    poses = diagnosis.poses
+    columns = {
+        "pose": [pose.name for pose in poses],
+        "open by\n[m]": [brief(pose.gap_given) for pose in poses],
+        "moved most\n[m or rad]": [_farthest(pose.moved or {}) for pose in poses],
+        "kind": [
+            pose.kind or ("open" if diagnosis.failure or pose.failure else _DASH) for pose in poses
+        ],
+        "σ_min\nof K*": [_brief_text(pose.smallest) for pose in poses],
+        "condition": [_brief_text(pose.condition) for pose in poses],
+    }
+    return Table.of("", "<><<>>", columns)
+
+
+def _farthest(moved: Mapping[str, float]) -> str:
+    name = max(moved, key=lambda one: (abs(moved[one]), one), default="")
+    return f"{name} {moved[name]:+.3g}" if name and abs(moved[name]) > _NO_MOTION else _DASH
 
 
 def _freedom_table(diagnosis: Diagnosis) -> Table:
-    failed = diagnosis.failure is not None
-    columns = ("file",) if failed else ("home", "moved")
-    rows = []
-    for freedom in diagnosis.freedoms:
-        values = (freedom.given,) if failed else (freedom.home, freedom.moved)
-        rows.append(
-            (
-                f"{freedom.name} [{freedom.unit}]",
-                freedom.kind,
-                "motor" if freedom.role == "actuated" else freedom.role,
-                *map(_shown_value, (freedom.lower, freedom.upper, *values)),
-            )
-        )
-    header = ("joint", "kind", "role", "lower", "upper", *columns)
-    return Table("Degrees of freedom", header, tuple(rows), "<<<>>" + ">" * len(columns))
+    freedoms = diagnosis.freedoms
+    columns = {
+        "joint": [f"{freedom.name} [{freedom.unit}]" for freedom in freedoms],
+        "kind": [freedom.kind for freedom in freedoms],
+        "role": ["motor" if one.role == "actuated" else one.role for one in freedoms],
+    }
+    values = {"file": "given"} if diagnosis.failure else {"home": "home", "moved": "moved"}
+    for heading, name in {"lower": "lower", "upper": "upper", **values}.items():
+        columns[heading] = [_shown_value(getattr(freedom, name)) for freedom in freedoms]
+    return Table.of("Degrees of freedom", "<<<" + ">" * (len(columns) - 3), columns)
 
 
 def _bodies(diagnosis: Diagnosis) -> Table:
+    bodies = diagnosis.bodies
+    columns = {
+        "body": [body.name for body in bodies],
+        "carried by": [body.joint or "ground" for body in bodies],
+        "loops that end on it": ["\n".join(body.loops) or _DASH for body in bodies],
+        "tool": ["tool" if body.tool else "" for body in bodies],
+    }
     tool = ", ".join(diagnosis.tool)
-    return Table(
-        f"Bodies (tool: {tool}, judged on {diagnosis.judged})",
-        ("body", "carried by", "loops that end on it", "tool"),
-        tuple(
-            (
-                body.name,
-                body.joint or "ground",
-                _on_lines(body.loops),
-                "tool" if body.tool else "",
-            )
-            for body in diagnosis.bodies
-        ),
-        "<<<<",
-    )
-
-
-def _on_lines(names: Sequence[str]) -> str:
-    return "\n".join(names) or _DASH
+    return Table.of(f"Bodies (tool: {tool}, judged on {diagnosis.judged})", "<<<<", columns)
 
 
 def _count_text(value: int | None) -> str:
     return _DASH if value is None else str(value)
+
+
+def _brief_text(value: float | None) -> str:
+    return _DASH if value is None else brief(value)
 
 
 def _shown_value(value: float | None) -> str:

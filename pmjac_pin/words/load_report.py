@@ -20,7 +20,7 @@ from pmjac_pin.rates.statics import Statics
 from pmjac_pin.values.arrays import Array, read_only
 from pmjac_pin.values.checks import as_flag, as_vector
 from pmjac_pin.values.named_values import named_values
-from pmjac_pin.words.labelled import ANGULAR, LINEAR, Powers, force_unit, unit
+from pmjac_pin.words.labelled import ANGULAR, LINEAR, Powers, force_unit, powers_of, unit
 from pmjac_pin.words.labelled_matrix import LabelledMatrix, labelled
 from pmjac_pin.words.labelled_values import Labels, Quantity
 
@@ -53,6 +53,7 @@ class LoadReport:
 
     Attributes
     ----------
+    configuration : Configuration
     motion : Motion or None
     wrench : ndarray, shape (6,), or None
         `WRENCH`, in `WRENCH_FRAME`.
@@ -66,6 +67,7 @@ class LoadReport:
         The joints whose bodies have no mass.
     """
 
+    configuration: Configuration
     motion: Motion | None
     wrench: Array | None
     statics: Statics | None
@@ -93,6 +95,7 @@ class LoadReport:
         known = configuration.dynamics(driving) if as_flag(dynamics, "dynamics") else None
         wanted = still if motion is None else motion.accelerations
         return cls(
+            configuration=configuration,
             motion=motion,
             wrench=given,
             statics=None if given is None else configuration.statics(given),
@@ -100,6 +103,11 @@ class LoadReport:
             efforts=None if known is None else known.efforts(wanted, given),
             weightless=massless(configuration.mechanism.kinematics.model),
         )
+
+    @property
+    def labels(self) -> Labels:
+        """The mechanism's."""
+        return Labels.of(self.configuration.mechanism.problem.partition)
 
 
 def as_wrench(given: object) -> Array:
@@ -125,21 +133,18 @@ def as_wrench(given: object) -> Array:
 
 def motor_efforts(configuration: Configuration, efforts: Array) -> tuple[MotorEffort, ...]:
     """Return efforts (n,) with the motors' names, units and limits."""
-    mechanism = configuration.mechanism
-    powers, limits = (
-        Labels.of(mechanism.problem.partition).actuated_powers,
-        stated_effort_limits(mechanism.problem.partition).tolist(),
-    )
-    rows = zip(mechanism.actuated, efforts.tolist(), powers, limits, strict=True)
+    partition = configuration.mechanism.problem.partition
+    limits = stated_effort_limits(partition).tolist()
+    powers = powers_of(partition.units_of(partition.actuated))
+    rows = zip(partition.actuated_names, efforts.tolist(), powers, limits, strict=True)
     return tuple(
         MotorEffort(name, value, force_unit(power), limit if limit < np.inf else None)
         for name, value, power, limit in rows
     )
 
 
-def loop_forces(configuration: Configuration, statics: Statics) -> tuple[Quantity, ...]:
+def loop_forces(statics: Statics, labels: Labels) -> tuple[Quantity, ...]:
     """Return the forces in the loops by the names of their equations."""
-    labels = Labels.of(configuration.mechanism.problem.partition)
     units = map(force_unit, labels.equation_powers)
     return tuple(map(Quantity, labels.equations, statics.loop_forces.tolist(), units))
 
@@ -152,13 +157,12 @@ def mass_matrix(dynamics: Dynamics, labels: Labels) -> LabelledMatrix:
     return labelled(dynamics.mass_matrix, names, efforts, names, columns)
 
 
-def load_told(report: LoadReport, configuration: Configuration) -> dict[str, object]:
+def load_told(report: LoadReport) -> dict[str, object]:
     """Return what is told of it: `motion`, `statics` and `dynamics`, None where not asked for."""
-    labels = Labels.of(configuration.mechanism.problem.partition)
     return {
-        "motion": report.motion and _motion_told(report.motion, labels),
-        "statics": report.statics and _statics_told(report, report.statics, configuration),
-        "dynamics": report.dynamics and _dynamics_told(report, report.dynamics, configuration),
+        "motion": report.motion and _motion_told(report.motion, report.labels),
+        "statics": report.statics and _statics_told(report, report.statics),
+        "dynamics": report.dynamics and _dynamics_told(report, report.dynamics),
     }
 
 
@@ -177,32 +181,28 @@ def _motion_told(motion: Motion, labels: Labels) -> dict[str, object]:
     }
 
 
-def _statics_told(
-    report: LoadReport, statics: Statics, configuration: Configuration
-) -> dict[str, object]:
+def _statics_told(report: LoadReport, statics: Statics) -> dict[str, object]:
     return {
         "frame": WRENCH_FRAME,
         "wrench": None if report.wrench is None else wrench_told(report.wrench),
         "weightless": report.weightless,
-        "efforts": motor_efforts(configuration, statics.efforts),
-        "loop_forces": loop_forces(configuration, statics),
+        "efforts": motor_efforts(report.configuration, statics.efforts),
+        "loop_forces": loop_forces(statics, report.labels),
         "determinate": statics.determinate,
         "self_stress": statics.self_stress.T,
         "internal_efforts": statics.internal_efforts.T,
     }
 
 
-def _dynamics_told(
-    report: LoadReport, dynamics: Dynamics, configuration: Configuration
-) -> dict[str, object]:
-    labels, efforts = Labels.of(configuration.mechanism.problem.partition), report.efforts
+def _dynamics_told(report: LoadReport, dynamics: Dynamics) -> dict[str, object]:
+    labels, efforts = report.labels, report.efforts
     units = [force_unit(power) for power in labels.actuated_powers]
     return {
         "mass_matrix": mass_matrix(dynamics, labels),
         "gravity": _quantities(labels.actuated, dynamics.gravity, units),
         "bias": _quantities(labels.actuated, dynamics.bias, units),
         "kinetic_energy": Quantity("kinetic energy", dynamics.kinetic_energy, "J"),
-        "efforts": None if efforts is None else motor_efforts(configuration, efforts),
+        "efforts": None if efforts is None else motor_efforts(report.configuration, efforts),
     }
 
 

@@ -6,7 +6,6 @@ from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 
-from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import enumerated
 from pmjac_pin.rates.dynamics import Dynamics
 from pmjac_pin.rates.motion import Motion
@@ -30,16 +29,14 @@ _NO_LIMIT = "none stated"
 _AXES = ("linear x", "linear y", "linear z", "angular x", "angular y", "angular z")
 
 
-def load_blocks(report: LoadReport, configuration: Configuration) -> Iterator[Block]:
+def load_blocks(report: LoadReport) -> Iterator[Block]:
     """Show what was asked for: motion, statics, dynamics."""
     if report.motion is not None:
-        yield from _motion_blocks(
-            report.motion, Labels.of(configuration.mechanism.problem.partition)
-        )
+        yield from _motion_blocks(report.motion, report.labels)
     if report.statics is not None:
-        yield from _statics_blocks(report, report.statics, configuration)
+        yield from _statics_blocks(report, report.statics)
     if report.dynamics is not None:
-        yield from _dynamics_blocks(report, report.dynamics, configuration)
+        yield from _dynamics_blocks(report, report.dynamics)
 
 
 def _motion_blocks(motion: Motion, labels: Labels) -> Iterator[Block]:
@@ -74,22 +71,20 @@ def _joint_rows(
         yield name, role, rate, f"{unit(power)}/s", acceleration, f"{unit(power)}/s²"
 
 
-def _statics_blocks(
-    report: LoadReport, statics: Statics, configuration: Configuration
-) -> Iterator[Block]:
+def _statics_blocks(report: LoadReport, statics: Statics) -> Iterator[Block]:
     yield Heading("Statics")
     wrench = () if report.wrench is None else wrench_told(report.wrench)
     acting = ", ".join(f"{one.name} = {one.value:.6g} {one.unit}" for one in wrench if one.value)
     about = "a force by the world's axes and a moment about the tool's origin"
     load = f"On the tool acts {acting} ({about})" if acting else "No wrench acts on the tool"
     yield Paragraph(f"{load}, beside the weight of the bodies.{_weightless(report.weightless)}")
-    efforts = motor_efforts(configuration, statics.efforts)
+    efforts = motor_efforts(report.configuration, statics.efforts)
     yield from _efforts_blocks("Motor efforts that balance it", efforts)
     if count := statics.internal_efforts.shape[1]:
         yield Paragraph(
             f"These are the smallest: motors may work against each other in {_ways_text(count)}."
         )
-    if forces := loop_forces(configuration, statics):
+    if forces := loop_forces(statics, report.labels):
         numbers = _column(statics.loop_forces)
         rows = tuple(
             (one.name, number, one.unit) for one, number in zip(forces, numbers, strict=True)
@@ -103,10 +98,8 @@ def _statics_blocks(
         )
 
 
-def _dynamics_blocks(
-    report: LoadReport, dynamics: Dynamics, configuration: Configuration
-) -> Iterator[Block]:
-    labels = Labels.of(configuration.mechanism.problem.partition)
+def _dynamics_blocks(report: LoadReport, dynamics: Dynamics) -> Iterator[Block]:
+    labels = report.labels
     yield Heading("Dynamics")
     yield mass_matrix(dynamics, labels).block("Mass matrix M (efforts by motor accelerations)")
     numbers = (_column(dynamics.gravity), _column(dynamics.bias))
@@ -121,7 +114,7 @@ def _dynamics_blocks(
     if report.efforts is not None:
         under = "under the wrench" if report.wrench is not None else "without a wrench"
         heading = f"Motor efforts τ = M θ̈ + h − J_eqᵀ w, {under}"
-        yield from _efforts_blocks(heading, motor_efforts(configuration, report.efforts))
+        yield from _efforts_blocks(heading, motor_efforts(report.configuration, report.efforts))
 
 
 def _efforts_blocks(heading: str, efforts: Sequence[MotorEffort]) -> Iterator[Block]:

@@ -11,6 +11,7 @@ from pmjac_pin.errors import UnknownNameError, did_you_mean, quoted
 from pmjac_pin.rates.allowed import AllowedJacobian
 from pmjac_pin.rates.jacobian import EquivalentJacobian
 from pmjac_pin.rates.split import SplitJacobian
+from pmjac_pin.rates.twist_map import TwistMap
 from pmjac_pin.values.arrays import Array
 from pmjac_pin.values.checks import check_kind
 from pmjac_pin.words.labelled import (
@@ -26,6 +27,7 @@ from pmjac_pin.words.labelled import (
 from pmjac_pin.words.labelled_matrix import LabelledMatrix, labelled, stacked
 from pmjac_pin.words.labelled_values import Labels
 
+#: What there is where J_eq exists.
 EQUIVALENT = ("passive_rates", "Jv_eq", "Jw_eq", "gv_eq", "gw_eq")
 
 
@@ -70,15 +72,11 @@ def matrices_of(jacobian: SplitJacobian) -> dict[str, LabelledMatrix]:
         Matrices from elsewhere have no names and units.
     """
     labels = Labels.of(jacobian.partition)
-    found = split_matrices(jacobian, labels)
-    if isinstance(jacobian, EquivalentJacobian):
-        found |= equivalent_matrices(jacobian, labels)
-    if isinstance(jacobian, AllowedJacobian):
-        found |= allowed_matrices(jacobian, labels)
-    return found
+    found = _split_matrices(jacobian, labels)
+    return found | _twist_matrices(jacobian, labels) if isinstance(jacobian, TwistMap) else found
 
 
-def split_matrices(split: SplitJacobian, labels: Labels) -> dict[str, LabelledMatrix]:
+def _split_matrices(split: SplitJacobian, labels: Labels) -> dict[str, LabelledMatrix]:
     """Return the matrices before the passive rates are eliminated, by name."""
     equations = (
         tuple(labels.equations[k] for k in split.rows),
@@ -99,31 +97,22 @@ def split_matrices(split: SplitJacobian, labels: Labels) -> dict[str, LabelledMa
     }
 
 
-def equivalent_matrices(jacobian: EquivalentJacobian, labels: Labels) -> dict[str, LabelledMatrix]:
-    """Return those after it: what there is where J_eq exists, `EQUIVALENT`."""
+def _twist_matrices(jacobian: TwistMap, labels: Labels) -> dict[str, LabelledMatrix]:
+    """Return those after it, by the rates of all motors, or of those that lead others."""
     motor_rates, passive_rates, linear, angular = _rate_labels(labels)
-    v, w = jacobian.sizes.tolist()
-    return {
-        "passive_rates": labelled(jacobian.passive_rates, *passive_rates, *motor_rates),
-        "Jv_eq": labelled(jacobian.Jv_eq, *linear, *motor_rates, size=v),
-        "Jw_eq": labelled(jacobian.Jw_eq, *angular, *motor_rates, size=w),
-        "gv_eq": _metric(jacobian.gv_eq, METRE, labels, v),
-        "gw_eq": _metric(jacobian.gw_eq, RADIAN, labels, w),
-    }
-
-
-def allowed_matrices(jacobian: AllowedJacobian, labels: Labels) -> dict[str, LabelledMatrix]:
-    """Return those of motors that are tied to each other, by the rates of those that lead."""
-    motor_rates, passive_rates, linear, angular = _rate_labels(labels)
-    units = dict(zip(*motor_rates, strict=True))
-    leading = (jacobian.leading, tuple(units[name] for name in jacobian.leading))
-    v, w = jacobian.sizes.tolist()
-    return {
-        "motor_rates": labelled(jacobian.motor_rates, *motor_rates, *leading),
-        "passive_rates": labelled(jacobian.passive_rates, *passive_rates, *leading),
-        "Jv_eq": labelled(jacobian.Jv_eq, *linear, *leading, size=v),
-        "Jw_eq": labelled(jacobian.Jw_eq, *angular, *leading, size=w),
-    }
+    leading, (v, w) = motor_rates, jacobian.sizes.tolist()
+    found = {}
+    if isinstance(jacobian, AllowedJacobian):
+        units = dict(zip(*motor_rates, strict=True))
+        leading = (jacobian.leading, tuple(units[name] for name in jacobian.leading))
+        found["motor_rates"] = labelled(jacobian.motor_rates, *motor_rates, *leading)
+    found["passive_rates"] = labelled(jacobian.passive_rates, *passive_rates, *leading)
+    found["Jv_eq"] = labelled(jacobian.Jv_eq, *linear, *leading, size=v)
+    found["Jw_eq"] = labelled(jacobian.Jw_eq, *angular, *leading, size=w)
+    if isinstance(jacobian, EquivalentJacobian):
+        found["gv_eq"] = _metric(jacobian.gv_eq, METRE, labels, v)
+        found["gw_eq"] = _metric(jacobian.gw_eq, RADIAN, labels, w)
+    return found
 
 
 def _rate_labels(labels: Labels) -> tuple[tuple[tuple[str, ...], tuple[str, ...]], ...]:

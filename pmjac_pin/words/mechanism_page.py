@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.words.blocks import Block, Heading, Paragraph, Table
 from pmjac_pin.words.numbers import matrix_numbers
-from pmjac_pin.words.tables import parameters_table
+from pmjac_pin.words.tables import parameters_table, sizes_line
 
 
 def mechanism_blocks(mechanism: Mechanism) -> Iterator[Block]:
@@ -17,23 +17,14 @@ def mechanism_blocks(mechanism: Mechanism) -> Iterator[Block]:
         yield Paragraph(description)
     for note in mechanism.notes:
         yield Paragraph(f"Note: {note}")
-    yield Paragraph(_counts_line(mechanism))
+    rank = mechanism.problem.partition.constraint_rank
+    yield Paragraph(sizes_line(mechanism, f"rank of [K K*] {rank}"))
     yield _freedoms_table(mechanism)
     if mechanism.parameters:
         yield parameters_table(mechanism)
     if mechanism.spec.loops:
         yield _loops_table(mechanism)
     yield Paragraph(f"Poses: {', '.join(mechanism.poses)}. Tool: {_tool_text(mechanism)}.")
-
-
-def _counts_line(mechanism: Mechanism) -> str:
-    rank = mechanism.problem.partition.constraint_rank
-    mobility = "not known" if mechanism.mobility is None else mechanism.mobility
-    return (
-        f"n = {len(mechanism.actuated)} motors, m_p = {len(mechanism.passive)} passive; "
-        f"p = {len(mechanism.rows)} loop equations, rank of [K K*] {rank}; mobility {mobility}; "
-        f"nq = {mechanism.nq}, nv = {mechanism.nv}."
-    )
 
 
 def _freedoms_table(mechanism: Mechanism) -> Table:

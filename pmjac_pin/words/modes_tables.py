@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 from scipy.spatial.transform import Rotation
 
+from pmjac_pin.studies.certificates.certificate import Certificate
 from pmjac_pin.studies.evidence import Evidence
 from pmjac_pin.studies.homotopy.complex_modes import ComplexModes
 from pmjac_pin.studies.homotopy.operation_modes import OperationModes
@@ -95,38 +96,26 @@ def _operation_modes(found: OperationModes) -> Paragraph:
 
 
 def _modes_table(report: ModesReport) -> Table:
-    header: tuple[str, ...] = (
-        "mode",
-        "residual\n[m]",
-        "σ",
-        "sign of\ndet K*",
-        "share\n[%]",
-        "mirror\nimage",
-        "proven\n[rad]",
-    )
-    rows = [_mode_row(mode) for mode in report.modes]
-    if any(mode.operation_mode for mode in report.modes):
-        header = (*header, "oper-\nation\nmode")
-        found = [mode.operation_mode or "" for mode in report.modes]
-        rows = [(*row, str(number)) for row, number in zip(rows, found, strict=True)]
-    if any(mode.ways > 1 for mode in report.modes):
-        header = (*header, "ways")
-        rows = [(*row, str(mode.ways)) for row, mode in zip(rows, report.modes, strict=True)]
-    named = tuple((*row, _mode_names(mode)) for row, mode in zip(rows, report.modes, strict=True))
-    return Table("", (*header, "which is"), named, ">" * len(header) + "<")
+    modes = report.modes
+    columns = {
+        "mode": [str(mode.number) for mode in modes],
+        "residual\n[m]": [f"{mode.configuration.residual_norm:.1e}" for mode in modes],
+        "σ": [brief(mode.singularity.smallest) for mode in modes],
+        "sign of\ndet K*": [_ORIENTATION_SIGNS[mode.sign] for mode in modes],
+        "share\n[%]": [f"{100.0 * mode.share:.2f}" for mode in modes],
+        "mirror\nimage": [str(mode.mirror_image or "") for mode in modes],
+        "proven\n[rad]": [_existence(mode.certificate) for mode in modes],
+    }
+    if any(mode.operation_mode for mode in modes):
+        columns["oper-\nation\nmode"] = [str(mode.operation_mode or "") for mode in modes]
+    if any(mode.ways > 1 for mode in modes):
+        columns["ways"] = [str(mode.ways) for mode in modes]
+    numbers, columns["which is"] = len(columns), list(map(_mode_names, modes))
+    return Table.of("", ">" * numbers + "<", columns)
 
 
-def _mode_row(mode: ModeReport) -> tuple[str, ...]:
-    mirror = "" if mode.mirror_image is None else str(mode.mirror_image)
-    return (
-        str(mode.number),
-        f"{mode.configuration.residual_norm:.1e}",
-        brief(mode.singularity.smallest),
-        _ORIENTATION_SIGNS[mode.sign],
-        f"{100.0 * mode.share:.2f}",
-        mirror,
-        f"{mode.certificate.existence_radius:.0e}" if mode.certificate else "no",
-    )
+def _existence(certificate: Certificate) -> str:
+    return f"{certificate.existence_radius:.0e}" if certificate else "no"
 
 
 def _mode_names(mode: ModeReport) -> str:

@@ -64,26 +64,26 @@ def _pose_page(found: Report) -> Iterator[Block]:
 
 def _modes_page(modes: AssemblyModes) -> Iterator[Block]:
     yield Heading(f"{len(modes)} assembly mode{'s' * (len(modes) != 1)}")
-    if modes and modes[0].mechanism.spec.tool.is_none:
-        kinds = (
-            (str(number), mode.singularity().kind, f"{100.0 * share:.3g}", str(ways))
-            for number, (mode, share, ways) in enumerate(
-                zip(modes, modes.shares, modes.ways, strict=True), start=1
-            )
-        )
-        yield Table("", ("mode", "kind", "share\n[%]", "ways"), tuple(kinds), "><>>")
-    elif modes:
-        size = modes[0].mechanism.characteristic_length
-        places = matrix_numbers([mode.tool_pose().translation for mode in modes], size)
-        rows = (
-            (str(number), *place, mode.singularity().kind, f"{100.0 * share:.3g}", str(ways))
-            for number, (mode, place, share, ways) in enumerate(
-                zip(modes, places, modes.shares, modes.ways, strict=True), start=1
-            )
-        )
-        header = ("mode", "tool x\n[m]", "y\n[m]", "z\n[m]", "kind", "share\n[%]", "ways")
-        yield Table("", header, tuple(rows), ">>>><>>")
+    if modes:
+        yield _table_of_modes(modes)
     yield Paragraph(no_more(modes.evidence))
+
+
+def _table_of_modes(modes: AssemblyModes) -> Table:
+    mechanism, of_tool = modes[0].mechanism, tuple[str, ...]()
+    places: list[list[str]] = [[] for _ in modes]
+    if not mechanism.spec.tool.is_none:
+        found = [mode.tool_pose().translation for mode in modes]
+        places = matrix_numbers(found, mechanism.characteristic_length)
+        of_tool = ("tool x\n[m]", "y\n[m]", "z\n[m]")
+    rows = tuple(
+        (str(number), *place, mode.singularity().kind, f"{100.0 * share:.3g}", str(ways))
+        for number, (mode, place, share, ways) in enumerate(
+            zip(modes, places, modes.shares, modes.ways, strict=True), start=1
+        )
+    )
+    header = ("mode", *of_tool, "kind", "share\n[%]", "ways")
+    return Table("", header, rows, ">" * (1 + len(of_tool)) + "<>>")
 
 
 _PAGE_BLOCKS: Mapping[type, Callable[[Any], Iterable[Block]]] = {

@@ -222,7 +222,7 @@ class Report(Printed):
                 for name, one in self.ellipsoids.items()
             },
             "refusal": self.refusal,
-            **load_told(self.load, configuration),
+            **load_told(self.load),
         }
 
 

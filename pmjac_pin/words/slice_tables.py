@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any
 
 import numpy as np
 
 from pmjac_pin.studies.singularities.locus import SingularityLocus
 from pmjac_pin.studies.workspaces.workspace import Workspace
 from pmjac_pin.words.blocks import Block, Heading, Paragraph, Table
+from pmjac_pin.words.plain import told
 
 _SINGULARITY_TYPES = {"gain": "gain (type II)", "loss": "loss (type I)"}
 
@@ -58,45 +58,32 @@ def workspace_blocks(found: Workspace) -> Iterator[Block]:
     yield Paragraph(f"{found.evidence}.")
 
 
-def locus_data(locus: SingularityLocus) -> dict[str, Any]:
+def locus_data(locus: SingularityLocus) -> dict[str, object]:
     """Return a locus as plain data."""
     return {
-        "mechanism": locus.at.mechanism.name,
-        "plane": list(locus.plane),
-        "units": list(locus.units),
-        "held": dict(locus.held),
+        **_slice_told(locus),
         "curves": [
-            {
-                "kind": curve.kind,
-                "closed": curve.is_closed,
-                "modes": list(curve.modes),
-                "places": curve.places.tolist(),
-            }
+            {"kind": curve.kind, "closed": curve.is_closed, **told(curve, "modes", "places")}
             for curve in locus.curves
         ],
-        "points": [
-            {"mark": point.mark, "kind": point.kind, "place": point.place.tolist()}
-            for point in locus.points
-        ],
+        "points": [told(point, "mark", "kind", "place") for point in locus.points],
         "evidence": str(locus.evidence),
     }
 
 
-def workspace_data(found: Workspace) -> dict[str, Any]:
+def workspace_data(found: Workspace) -> dict[str, object]:
     """Return a workspace as plain data, without its grid."""
     return {
-        "mechanism": found.at.mechanism.name,
-        "plane": list(found.plane),
-        "units": list(found.units),
-        "held": dict(found.held),
-        "mode": found.mode,
-        "area": found.area if np.isfinite(found.area) else None,
-        "cell_area": found.cell_area,
-        "border": [
-            {"reason": piece.reason, "places": piece.places.tolist()} for piece in found.border
-        ],
+        **_slice_told(found),
+        **told(found, "mode", "area", "cell_area"),
+        "border": [told(piece, "reason", "places") for piece in found.border],
         "evidence": str(found.evidence),
     }
+
+
+def _slice_told(found: SingularityLocus | Workspace) -> dict[str, object]:
+    mechanism = found.at.mechanism.name
+    return {"mechanism": mechanism, **told(found, "plane", "units"), "held": dict(found.held)}
 
 
 def _slice(found: SingularityLocus | Workspace) -> str:

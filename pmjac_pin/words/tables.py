@@ -61,7 +61,8 @@ def report_blocks(report: Report) -> Iterator[Block]:
         yield Paragraph(description)
     if report.notes:
         yield Paragraph("\n".join(f"Note: {note}" for note in report.notes))
-    yield Paragraph(_sizes_line(report))
+    independent = f"m = {report.split.rows.size} of them independent"
+    yield Paragraph(sizes_line(report.mechanism, independent))
     yield Paragraph(_origin_line(report))
     if report.configuration.limits_violated:
         yield Paragraph(limits_warning(report.configuration))
@@ -87,7 +88,7 @@ def report_blocks(report: Report) -> Iterator[Block]:
     yield from singularity_blocks(report.singularity, length=report.mechanism.characteristic_length)
     yield singular_values_table(report)
     yield from ellipsoid_blocks(report, ("velocity", "angular", "force"))
-    yield from load_blocks(report.load, report.configuration)
+    yield from load_blocks(report.load)
 
 
 def title(report: Report) -> str:
@@ -177,12 +178,12 @@ def axes_table(
     )
 
 
-def _sizes_line(report: Report) -> str:
-    found = report.mechanism
+def sizes_line(found: Mechanism, rank: str) -> str:
+    """Return the numbers of a mechanism in one line, the rank of its loops in these words."""
     mobility = "not known" if found.mobility is None else found.mobility
     return (
         f"n = {len(found.actuated)} motors, m_p = {len(found.passive)} passive; "
-        f"p = {len(found.rows)} loop equations, m = {report.split.rows.size} of them independent; "
+        f"p = {len(found.rows)} loop equations, {rank}; "
         f"mobility {mobility}; nq = {found.nq}, nv = {found.nv}."
     )
 
@@ -216,16 +217,15 @@ def _pose_blocks(report: Report) -> Iterator[Block]:
 
 def parameters_table(mechanism: Mechanism) -> Table:
     """Show the parameters, their values and what they mean."""
-    declared = mechanism.spec.parameters
-    return Table(
-        "Parameters",
-        ("name", "value", "unit", "meaning"),
-        tuple(
-            (name, number(value), declared[name].unit, declared[name].meaning)
-            for name, value in mechanism.parameters.items()
-        ),
-        "<><<",
-    )
+    values = mechanism.parameters
+    declared = [mechanism.spec.parameters[name] for name in values]
+    columns = {
+        "name": values,
+        "value": map(number, values.values()),
+        "unit": [one.unit for one in declared],
+        "meaning": [one.meaning for one in declared],
+    }
+    return Table.of("Parameters", "<><<", columns)
 
 
 def joints_table(report: Report) -> Table:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import errno
 import io
+import itertools
 import os
 import re
 import sys
@@ -31,8 +32,6 @@ _ASCII_RULE = rich.box.Box("    \n    \n -- \n    \n    \n    \n    \n    \n", a
 
 # For terminals without Unicode; what is not here loses its accents, or becomes a "?".
 _ASCII = {
-    "²": "^2",
-    "³": "^3",
     "∂": "d ",
     "η": "eta",
     "θ": "theta",
@@ -41,7 +40,6 @@ _ASCII = {
     "ω": "w",
     "σ": "sigma",
     "ᵀ": "^T",
-    "⁻¹": "^-1",
     "∞": "inf",
     "−": "-",
     "–": "-",
@@ -52,12 +50,11 @@ _ASCII = {
     "’": "'",
     "“": '"',
     "”": '"',
-    "…": "...",
     "Δ": "Delta ",
     "═": "=",
     "→": "->",
 }
-_LOWERED = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹", "0123456789")
+_LOWERED = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")
 
 
 def new_console() -> Console:
@@ -146,7 +143,7 @@ def to_ascii(text: str) -> str:
     """
     for symbol, replacement in _ASCII.items():
         text = text.replace(symbol, replacement)
-    text = re.sub("[⁰¹²³⁴⁵⁶⁷⁸⁹]+", lambda match: "^" + match[0].translate(_LOWERED), text)
+    text = re.sub("[⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+", lambda match: "^" + match[0].translate(_LOWERED), text)
     decomposed = unicodedata.normalize("NFKD", text)
     bare = "".join(c for c in decomposed if not unicodedata.combining(c))
     return bare.encode("ascii", "replace").decode()
@@ -176,64 +173,51 @@ def _draw_table(console: Console, table: Table) -> None:
         for width, side in zip(widths, table.align, strict=True)
     ]
     if sum(least) + _BLANKS * (len(widths) - 1) <= console.width:
-        _draw_grid(console, header, rows, table.align, widths)
+        parts = [list(range(len(widths)))]
     elif numbers:
-        _draw_folded(console, header, rows, widths)
+        digits = _natural_widths([Text()] * len(header), rows)
+        parts, widths = _numbers_in_parts(console.width, widths, digits)
     else:
-        _draw_in_parts(console, header, rows, table.align, [widths[0], *least[1:]])
+        parts, widths = _words_in_parts(console.width, [widths[0], *least[1:]])
+    for number, columns in enumerate(parts):
+        if number:
+            console.print()
+        _draw_grid(
+            console,
+            [header[k] for k in columns],
+            [[row[k] for k in columns] for row in rows],
+            "".join(table.align[k] for k in columns),
+            [widths[k] for k in columns],
+        )
 
 
-def _draw_folded(
-    console: Console, header: list[Text], rows: list[list[Text]], widths: list[int]
-) -> None:
-    """Draw a wide table of numbers as several, each with the first column of labels."""
-    digits = _natural_widths([Text()] * len(header), rows)
-    label = min(widths[0], console.width // 2)
-    room = console.width - label - _BLANKS
-    column = max(*digits[1:], min(max(widths[1:]), _WIDEST_NAME, room))
-    fitting = max(1, (console.width - label) // (_BLANKS + column))
-    count = len(header) - 1
+def _numbers_in_parts(
+    width: int, widths: Sequence[int], digits: Sequence[int]
+) -> tuple[list[list[int]], list[int]]:
+    """Return which columns of a wide table of numbers stand side by side, and their widths.
+
+    Each part has the first column, of labels; the others are alike.
+    """
+    label, count = min(widths[0], width // 2), len(widths) - 1
+    column = max(*digits[1:], min(max(widths[1:]), _WIDEST_NAME, width - label - _BLANKS))
+    fitting = max(1, (width - label) // (_BLANKS + column))
     parts = -(-count // fitting)
-    for part in range(parts):
-        columns = [0, *range(1 + part * count // parts, 1 + (part + 1) * count // parts)]
-        if part:
-            console.print()
-        _draw_grid(
-            console,
-            [header[k] for k in columns],
-            [[row[k] for k in columns] for row in rows],
-            "<" + ">" * (len(columns) - 1),
-            [label, *[column] * (len(columns) - 1)],
-        )
+    ends = [1 + part * count // parts for part in range(parts + 1)]
+    return [[0, *range(*pair)] for pair in itertools.pairwise(ends)], [label] + [column] * count
 
 
-def _draw_in_parts(
-    console: Console,
-    header: list[Text],
-    rows: list[list[Text]],
-    align: str,
-    widths: Sequence[int],
-) -> None:
-    """Draw a wide table of numbers and words as several, each with the first column."""
-    label = min(widths[0], console.width // 2)
-    parts, room = [[0]], console.width - label
-    for k, width in enumerate(widths[1:], start=1):
-        if len(parts[-1]) > 1 and room < _BLANKS + width:
+def _words_in_parts(width: int, widths: Sequence[int]) -> tuple[list[list[int]], list[int]]:
+    """Return the same of a wide table of numbers and words."""
+    label = min(widths[0], width // 2)
+    parts, room = [[0]], width - label
+    for k, wide in enumerate(widths[1:], start=1):
+        if len(parts[-1]) > 1 and room < _BLANKS + wide:
             parts.append([0])
-            room = console.width - label
+            room = width - label
         parts[-1].append(k)
-        room -= _BLANKS + width
-    for part, columns in enumerate(parts):
-        if part:
-            console.print()
-        most = console.width - label - _BLANKS
-        _draw_grid(
-            console,
-            [header[k] for k in columns],
-            [[row[k] for k in columns] for row in rows],
-            "".join(align[k] for k in columns),
-            [label, *(min(widths[k], most) for k in columns[1:])],
-        )
+        room -= _BLANKS + wide
+    most = width - label - _BLANKS
+    return parts, [label, *(min(wide, most) for wide in widths[1:])]
 
 
 def _draw_grid(

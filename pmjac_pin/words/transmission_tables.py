@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
+from pmjac_pin.rates.motor_limits import EFFORT_UNITS
 from pmjac_pin.studies.transmissions.transmission_table import TransmissionTable
 from pmjac_pin.values.arrays import Array
 from pmjac_pin.values.brief import at_least, at_most, brief
@@ -50,7 +51,7 @@ def _ratios(table: TransmissionTable) -> Table:
 def _limits_table(table: TransmissionTable, motor_limits: ArrayLike) -> Table:
     units = table.transmission.by_motors.units
     found = (
-        ("effort", {"rad": "N m", "m": "N"}, table.map.efforts_alone(motor_limits)),
+        ("effort", EFFORT_UNITS, table.map.efforts_alone(motor_limits)),
         ("rate", {"rad": "rad/s", "m": "m/s"}, table.map.rates_alone(motor_limits)),
     )
     rows = [

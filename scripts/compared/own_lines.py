@@ -54,7 +54,7 @@ def end_of_mode(loop: Loop, near: float) -> float:
         gap, jacobian = loop.opened(q)
         return np.append(gap, np.linalg.det(jacobian[:, loop.others]))
 
-    found: Array = fsolve(equations, newton(loop, near)[0], xtol=1e-14)
+    found: Array = fsolve(equations, newton(loop, near)[0], xtol=1e-12)
     return float(found[loop.crank])
 
 

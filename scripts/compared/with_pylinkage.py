@@ -15,7 +15,6 @@ from compared.known import (
     SHORT_ENDS,
     SHORT_NEAR,
     error,
-    none,
     own_lines,
     rocker,
     rocker_rate,

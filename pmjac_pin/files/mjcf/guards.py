@@ -13,10 +13,10 @@ from xml.etree.ElementTree import Element
 
 from pmjac_pin.errors import ModelFileError
 from pmjac_pin.files.mjcf.file import MjcfFile
-from pmjac_pin.files.mjcf.names import Places, called, check_name
+from pmjac_pin.files.mjcf.names import Places, called
 from pmjac_pin.files.text_file import at_file
 from pmjac_pin.files.urdf.checks import MAXIMAL_LINKS, MAXIMAL_NAME
-from pmjac_pin.files.xml_text import numbers, numbers_in
+from pmjac_pin.files.xml_text import check_name, numbers, numbers_in
 
 MAXIMAL_MJCF_ELEMENTS = 10_000  # that are read, with what <replicate> and <attach> make of them
 MAXIMAL_CLASSES = 1000
@@ -70,7 +70,8 @@ def _check_words(file: MjcfFile) -> None:
     How many numbers there must be MuJoCo knows, and which words mean something.
     """
     places = Places(file.root)
-    classes = {"main", *(given.get("class", "") for given in file.root.iterfind(".//default"))}
+    given = [default.get("class", "") for default in file.root.iterfind(".//default")]
+    classes = dict.fromkeys(["main", *given])
     with at_file(str(file.path)):
         if len(classes) > MAXIMAL_CLASSES:
             got = f"{len(classes)} default classes are too many"

@@ -15,7 +15,8 @@ from xml.etree.ElementTree import Element, tostring
 
 from pmjac_pin.errors import MissingDependencyError, ModelFileError, shortened
 from pmjac_pin.files.mjcf.file import MjcfFile
-from pmjac_pin.files.mjcf.names import Places, called, check_name
+from pmjac_pin.files.mjcf.names import Places, called
+from pmjac_pin.files.xml_text import check_name
 
 _LONGEST_ERROR = 300  # characters of one of MuJoCo's messages
 _HEAVY = 1e30  # kg m², beside all that a file may say
@@ -155,10 +156,10 @@ def _equality_ends(mujoco: Any, equality: Any) -> list[tuple[str, int, str]]:
 def _check_labels(mujoco: Any, spec: Any, labels: Sequence[str]) -> None:
     """Refuse names that do not exist, with what may be meant, which MuJoCo does not say."""
     known = {
-        "body": {body.name for body in spec.bodies},
-        "site": {site.name for site in spec.sites},
-        "joint": {joint.name for joint in spec.joints},
-        "tendon": {tendon.name for tendon in spec.tendons},
+        "body": [body.name for body in spec.bodies],
+        "site": [site.name for site in spec.sites],
+        "joint": [joint.name for joint in spec.joints],
+        "tendon": [tendon.name for tendon in spec.tendons],
     }
     for label, equality in zip(labels, spec.equalities, strict=True):
         for kind, _, name in _equality_ends(mujoco, equality):

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 from xml.etree.ElementTree import Element
 
-from pmjac_pin.errors import ModelFileError, did_you_mean, quoted
+from pmjac_pin.errors import quoted
 from pmjac_pin.files.unused_name import unused_name
 
 WORLD_BODY = "world"
@@ -66,12 +66,6 @@ class Names:
                 yield name
             else:
                 yield unused_name(f"{name or body}_site", self.taken)
-
-
-def check_name(what: str, name: str, known: Collection[str]) -> None:
-    """Refuse a name that does not exist; `what` says who gives it."""
-    if name not in known:
-        raise ModelFileError(f"{what} {quoted(name)} does not exist{did_you_mean(name, known)}")
 
 
 class Places:

@@ -18,21 +18,21 @@ name joint jointinparent class* actdim* actearly* actlimited* actrange* area* ar
   tausmooth* tendon* thermal* timeconst* user* velrange* vmax*
 """
 
+_CARRIED = (
+    "body frame geom site joint freejoint inertial camera* light* plugin! attach composite "
+    "flexcomp replicate"
+)
+
 MJCF_WORDS = Vocabulary(
-    """
+    f"""
 mujoco model : compiler option default worldbody equality actuator keyframe asset tendon contact*
   custom* deformable! extension! sensor* size* statistic* visual*
 sensor : plugin*
 asset : model mesh* hfield* skin* texture* material*
 model name file content_type*
-worldbody : body frame geom site joint freejoint inertial camera* light* plugin! attach composite
-  flexcomp replicate
-frame name pos quat axisangle euler xyaxes zaxis childclass :
-  body frame geom site joint freejoint inertial camera* light* plugin! attach composite
-  flexcomp replicate
-replicate count offset euler sep childclass :
-  body frame geom site joint freejoint inertial camera* light* plugin! attach composite
-  flexcomp replicate
+worldbody : {_CARRIED}
+frame name pos quat axisangle euler xyaxes zaxis childclass : {_CARRIED}
+replicate count offset euler sep childclass : {_CARRIED}
 attach model body frame prefix
 tendon : fixed spatial
 fixed name class* actuatorfrclimited* actuatorfrcrange* armature* damping* frictionloss* group*
@@ -60,9 +60,7 @@ flag equality constraint actuation* autoreset* clampctrl* contact* damper* diage
   eulerdamp* filterparent* frictionloss* fwdinv* gravity* invdiscrete* ipc* island* limit*
   midphase* multiccd* nativeccd* override* refsafe* sensor* sleep* speculative* spring* warmstart*
 body name pos quat axisangle euler xyaxes zaxis childclass mocap fuse* gravcomp* simple* sleep*
-  user* :
-  body frame geom site joint freejoint inertial camera* light* plugin! attach composite
-  flexcomp replicate
+  user* : {_CARRIED}
 inertial mass diaginertia fullinertia pos quat axisangle euler xyaxes zaxis
 joint name class type pos axis ref range limited actuatorfrclimited* actuatorfrcrange*
   actuatorgravcomp* armature damping* frictionloss* group* margin* solimpfriction* solimplimit*

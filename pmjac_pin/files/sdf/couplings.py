@@ -9,9 +9,9 @@ import numpy as np
 
 from pmjac_pin.errors import ModelFileError, did_you_mean, quoted
 from pmjac_pin.files.gazebo_plugins import is_mimic_plugin
-from pmjac_pin.files.sdf.joints import AXIS_TAGS, SdfJoint, freedom_names, text_of
+from pmjac_pin.files.sdf.joints import AXIS_TAGS, SdfJoint, freedom_names, number_of, text_of
 from pmjac_pin.files.vocabulary import spelt
-from pmjac_pin.files.xml_text import label, numbers, numbers_in, only
+from pmjac_pin.files.xml_text import check_name, label, numbers, numbers_in, only
 from pmjac_pin.model.loop_spec import JointLoop
 
 _PARALLEL_AXES = 1e-6
@@ -100,7 +100,7 @@ def _of_axes(
                 continue
             leader = _freedom(where, mimic.get("joint", ""), mimic.get("axis", "axis"), freedoms)
             ratio, offset, reference = (
-                _gear_number(where, mimic, tag, default)
+                number_of(where, mimic, tag, default)
                 for tag, default in (("multiplier", "1"), ("offset", "0"), ("reference", "0"))
             )
             yield where, _gear_loop(where, (leader, follower), ratio, offset - ratio * reference)
@@ -132,7 +132,7 @@ def _of_plugins(
             for tag in ("joint", "mimicJoint")
         )
         ratio, offset = (
-            _gear_number(where, plugin, tag, default)
+            number_of(where, plugin, tag, default)
             for tag, default in (("multiplier", "1"), ("offset", "0"))
         )
         yield where, _gear_loop(where, (leader, follower), ratio, offset)
@@ -146,17 +146,10 @@ def _gear_loop(where: str, joints: tuple[str, str], ratio: float, offset: float)
 
 def _freedom(where: str, joint: str, axis: str, freedoms: Mapping[str, tuple[str, ...]]) -> str:
     """Return the degree of freedom about an axis of a joint."""
-    if joint not in freedoms:
-        raise ModelFileError(
-            f"{where}: the joint {quoted(joint)} does not exist{did_you_mean(joint, freedoms)}"
-        )
+    check_name(f"{where}: the joint", joint, freedoms)
     known = dict(zip(AXIS_TAGS, freedoms[joint], strict=False))
     if axis not in known:
         raise ModelFileError(
             f"{where}: joint {joint!r} has no {quoted(axis)}{did_you_mean(axis, known)}"
         )
     return known[axis]
-
-
-def _gear_number(where: str, parent: Element, tag: str, default: str) -> float:
-    return numbers_in(f"{where}, <{tag}>", text_of(where, parent, tag) or default)[0]

@@ -16,8 +16,8 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from pmjac_pin.errors import ModelFileError, did_you_mean, quoted
-from pmjac_pin.files.xml_text import numbers_in, only
+from pmjac_pin.errors import ModelFileError, quoted
+from pmjac_pin.files.xml_text import check_name, numbers_in, only
 
 MODEL = "__model__"
 WORLD = "world"
@@ -86,9 +86,7 @@ class Frames:
         return self._links[self._known(name, self._links, where)]
 
     def _known(self, name: str, names: Mapping[str, object], where: str) -> str:
-        if name not in names:
-            known = did_you_mean(name, tuple(names))
-            raise ModelFileError(f"{where}: the frame {quoted(name)} does not exist{known}")
+        check_name(f"{where}: the frame", name, names)
         return name
 
     def _chain(self, name: str, done: Mapping[str, object], towards: str) -> list[str]:

@@ -11,8 +11,8 @@ import pinocchio as pin
 from pmjac_pin.files.inertia import inertia_at
 from pmjac_pin.files.joint_dialects import listed
 from pmjac_pin.files.sdf.frames import Frames, pose, truth
-from pmjac_pin.files.sdf.joints import text_of
-from pmjac_pin.files.xml_text import label, numbers_in, only
+from pmjac_pin.files.sdf.joints import number_of
+from pmjac_pin.files.xml_text import label, only
 
 _ONES = ("mass", "inertia/ixx", "inertia/iyy", "inertia/izz")  # of which the default is 1
 _DEFAULTS = {"ixx": "1", "ixy": "0", "ixz": "0", "iyy": "1", "iyz": "0", "izz": "1"}
@@ -56,12 +56,8 @@ def read_inertias(
 
 
 def _link_inertia(where: str, inertial: Element, link: str, frames: Frames) -> pin.Inertia:
-    (mass,) = numbers_in(f"{where}, <mass>", text_of(where, inertial, "mass") or "1")
-    inertia = only(where, inertial, "inertia")
-    values = {}
-    for tag, default in _DEFAULTS.items():
-        text = default if inertia is None else text_of(where, inertia, tag) or default
-        (values[tag],) = numbers_in(f"{where}, <{tag}>", text)
+    mass, inertia = number_of(where, inertial, "mass", "1"), only(where, inertial, "inertia")
+    values = {tag: number_of(where, inertia, tag, one) for tag, one in _DEFAULTS.items()}
     moments = np.array([[values[f"i{min(a, b)}{max(a, b)}"] for b in "xyz"] for a in "xyz"])
     relative_to, place = pose(where, inertial, link)
     centre = frames.placement(link, where).actInv(frames.placement(relative_to, where) * place)

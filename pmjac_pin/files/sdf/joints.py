@@ -161,6 +161,12 @@ def text_of(where: str, parent: Element, tag: str) -> str | None:
     return None if element is None else (element.text or "").strip()
 
 
+def number_of(where: str, parent: Element | None, tag: str, default: str) -> float:
+    """Return the one number in an element's child of that tag, or in one that is not there."""
+    text = None if parent is None else text_of(where, parent, tag)
+    return numbers_in(f"{where}, <{tag.removeprefix('{*}')}>", text or default)[0]
+
+
 def _pitch(where: str, joint: Element) -> float:
     """Return the pitch of a screw, m/rad, right-handed.
 

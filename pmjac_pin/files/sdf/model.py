@@ -8,7 +8,7 @@ from xml.etree.ElementTree import Element
 
 import pinocchio as pin
 
-from pmjac_pin.errors import ModelFileError, did_you_mean, quoted
+from pmjac_pin.errors import ModelFileError, quoted
 from pmjac_pin.files.gazebo_plugins import misread_mimics, unread_harmless
 from pmjac_pin.files.sdf.frames import MODEL, WORLD, Frames, SdfFrame, pose
 from pmjac_pin.files.sdf.inertials import read_inertias
@@ -18,7 +18,7 @@ from pmjac_pin.files.sdf.visuals import SdfVisual, read_sdf_visuals
 from pmjac_pin.files.sdf.vocabulary import SDF_WORDS
 from pmjac_pin.files.sdf.world import the_model
 from pmjac_pin.files.urdf.checks import MAXIMAL_LINKS, checked_names
-from pmjac_pin.files.xml_text import label
+from pmjac_pin.files.xml_text import check_name, label
 
 _OLDEST, _NEWEST = (1, 4), (1, 12)
 
@@ -77,9 +77,8 @@ def read_model(sdf: Element) -> SdfModel:
     links, joints, extra = (model.findall(tag) for tag in ("link", "joint", "frame"))
     names = _names(links, joints, extra)
     canonical = model.get("canonical_link")
-    if canonical is not None and canonical not in names:
-        known = did_you_mean(canonical, names)
-        raise ModelFileError(f"the canonical link {quoted(canonical)} does not exist{known}")
+    if canonical is not None:
+        check_name("the canonical link", canonical, names)
     frames = Frames(dict(_given(links, joints, extra)), names, canonical or names[0])
     named = {element.get("name", "") for element in (*links, *joints, *extra)}
     read = (

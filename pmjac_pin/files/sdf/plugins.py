@@ -9,13 +9,13 @@ from xml.etree.ElementTree import Element
 import numpy as np
 from numpy.typing import NDArray
 
-from pmjac_pin.errors import ModelFileError, did_you_mean, quoted
+from pmjac_pin.errors import ModelFileError
 from pmjac_pin.files.gazebo_plugins import is_mimic_plugin
 from pmjac_pin.files.sdf.frames import MODEL, Frames
 from pmjac_pin.files.sdf.joints import SdfJoint, text_of
 from pmjac_pin.files.unused_name import unused_name
 from pmjac_pin.files.vocabulary import spelt
-from pmjac_pin.files.xml_text import label, numbers_in
+from pmjac_pin.files.xml_text import check_name, label, numbers_in
 
 BALL = "drake:ball_constraint"
 NOT_READ = {
@@ -124,9 +124,7 @@ def _point_tie(element: Element, links: Collection[str]) -> PointTie:
     given = ball_parts(element)
     first, second = ((given[part].text or "").strip() for part in ("body_A", "body_B"))
     for name in (first, second):
-        if name not in links:
-            known = did_you_mean(name, links)
-            raise ModelFileError(f"<{BALL}>: the link {quoted(name)} does not exist{known}")
+        check_name(f"<{BALL}>: the link", name, links)
     if first == second:
         raise ModelFileError(f"<{BALL}> joins link {first!r} to itself")
     here, there = (

@@ -15,21 +15,17 @@ import numpy as np
 import pinocchio as pin
 
 from pmjac_pin.errors import ModelFileError
+from pmjac_pin.files.anchors import loop_of_kind
 from pmjac_pin.files.sdf.frames import WORLD
 from pmjac_pin.files.sdf.joints import AXIS_TAGS, SdfAxis, SdfJoint
 from pmjac_pin.files.sdf.model import SdfModel
 from pmjac_pin.files.sdf.plugins import PointTie
 from pmjac_pin.files.spanning_tree import Branch
 from pmjac_pin.files.tree_urdf import MovingAxis, TreeUrdf
-from pmjac_pin.model.loop_spec import (
-    FrameLoop,
-    Loop,
-    PrismaticLoop,
-    RevoluteLoop,
-    SphericalLoop,
-    UniversalLoop,
-)
+from pmjac_pin.model.loop_spec import Loop, SphericalLoop
 
+#: What closes the loop of a joint that is cut, where that has another name.
+_AS_CUT = {"ball": "spherical", "revolute2": "universal", "screw": "fixed"}
 _SAME_PLACE = 1e-12  # m or rad: rounding of one frame's placement in another
 _PERPENDICULAR = 1e-6  # a universal joint's loop assumes axes that are perpendicular
 
@@ -160,20 +156,9 @@ def _seen(axis: SdfAxis, turned: bool) -> SdfAxis:
 
 def _loop(joint: SdfJoint, frames: tuple[str, str]) -> Loop:
     directions = [(float(x), float(y), float(z)) for x, y, z in (a.direction for a in joint.axes)]
-    match joint.kind:
-        case "fixed" | "screw":
-            return FrameLoop(frames=frames)
-        case "ball":
-            return SphericalLoop(frames=frames)
-        case "prismatic":
-            return PrismaticLoop(frames=frames, axis=directions[0])
-        case "revolute" | "continuous":
-            return RevoluteLoop(frames=frames, axis=directions[0])
-        case "universal" | "revolute2":
-            _check_perpendicular(joint)
-            return UniversalLoop(frames=frames, axes=(directions[0], directions[1]))
-        case _:
-            raise ModelFileError(f"joint {joint.name!r} of type {joint.kind} cannot be cut")
+    if len(directions) > 1:
+        _check_perpendicular(joint)
+    return loop_of_kind(_AS_CUT.get(joint.kind, joint.kind), frames, directions)
 
 
 def _check_perpendicular(joint: SdfJoint) -> None:

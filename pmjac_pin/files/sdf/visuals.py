@@ -10,16 +10,10 @@ import pinocchio as pin
 
 from pmjac_pin.files.sdf.frames import Frames, pose
 from pmjac_pin.files.tree_urdf import undrawn
+from pmjac_pin.files.urdf.robot import SIZE_ATTRIBUTES
 from pmjac_pin.files.vocabulary import spelt
 from pmjac_pin.files.xml_text import label, only
 
-# What a URDF has as well, and the sizes by which both describe it.
-_SOLIDS = {
-    "box": ("size",),
-    "sphere": ("radius",),
-    "cylinder": ("radius", "length"),
-    "capsule": ("radius", "length"),
-}
 _EMPTY = "empty"
 
 
@@ -67,7 +61,7 @@ def read_sdf_visuals(links: Sequence[Element], frames: Frames) -> Iterator[SdfVi
 
 def _shape(element: Element) -> Element:
     """Return a shape as a URDF has it."""
-    if (sizes := _SOLIDS.get(element.tag)) is not None:
+    if (sizes := SIZE_ATTRIBUTES.get(element.tag)) is not None:  # by which both describe it
         return Element(element.tag, {size: _text_of_child(element, size) for size in sizes})
     return undrawn(_text_of_child(element, "uri") or spelt(element.tag))
 

@@ -13,15 +13,15 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Mapping, Sequence
 from types import MappingProxyType
+from typing import Any
 from xml.etree.ElementTree import Element, SubElement
 
 from pmjac_pin.errors import ModelFileError, did_you_mean, quoted
 from pmjac_pin.files.joint_dialects import BALL_TYPES
-from pmjac_pin.files.urdf.control_mimics import called_joint, control_joints, mimic_params
+from pmjac_pin.files.urdf.control_mimics import CONTROL_JOINTS, called_joint, mimic_params
 from pmjac_pin.files.urdf.joint_tree import check_tree, joints_of
 from pmjac_pin.files.vocabulary import spelt
-from pmjac_pin.files.xml_text import label, numbers, only, written
-from pmjac_pin.values.checks import LARGEST
+from pmjac_pin.files.xml_text import check_name, label, numbers, only, written
 
 MAXIMAL_NAME = 200  # characters: near matches of longer names would take minutes
 MAXIMAL_LINKS = 1000
@@ -38,7 +38,15 @@ _TIE_ELEMENTS = (
     *("loop", "constraint", "loop_joint", "coupling"),
     *("drake:ball_constraint", "drake:weld_constraint", "drake:coupler_constraint"),
 )
-_INERTIA = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+#: The numbers of the elements that Pinocchio reads, each with what `numbers` asks of it.
+_NUMBERS: Mapping[str, Mapping[str, Mapping[str, Any]]] = {
+    "origin": {key: {"count": 3, "default": "0 0 0"} for key in ("xyz", "rpy")},
+    "mass": {"value": {"least": 0.0}},
+    "inertia": {key: {} for key in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")},
+    "limit": {key: {"least": 0.0, "largest": math.inf} for key in ("effort", "velocity")},
+    "dynamics": {key: {"least": 0.0, "default": "0"} for key in ("damping", "friction")},
+}
+_RANGE = {key: {"default": "0", "largest": math.inf} for key in ("lower", "upper")}
 
 
 def checked_robot(robot: Element) -> Element:
@@ -71,7 +79,7 @@ def _check_root(robot: Element) -> None:
         raise ModelFileError(f"<{quoted(unexpanded[0])[1:-1]}> is xacro, which is not read; {todo}")
     ties = [f"<{tag}>" for child in robot if (tag := spelt(child.tag)) in _TIE_ELEMENTS]
     ties += ["<joint> in <gazebo>"] * (robot.find("gazebo/joint") is not None)
-    followers = filter(mimic_params, control_joints(robot))
+    followers = filter(mimic_params, robot.iterfind(CONTROL_JOINTS))
     ties += [f'<param name="mimic"> in {called_joint(joint)}' for joint in followers]
     if ties:
         why = "Pinocchio would ignore it in silence"
@@ -122,10 +130,15 @@ def checked_origin(where: str, parent: Element, tag: str = "origin") -> Element:
     where = f"{where}, <{tag}>"
     if origin is not None and origin.get("quat_xyzw") is not None:
         raise ModelFileError(f"{where}: `quat_xyzw` is not read; give `rpy`")
-    copy = Element("origin")
-    for attribute in ("xyz", "rpy"):
-        copy.set(attribute, written(numbers(where, origin, attribute, default="0 0 0", count=3)))
-    return copy
+    return _copied(where, origin, "origin", _NUMBERS["origin"])
+
+
+def _copied(
+    where: str, element: Element | None, tag: str, wanted: Mapping[str, Mapping[str, Any]]
+) -> Element:
+    """Return an element with its numbers alone, read and written anew."""
+    found = {key: written(numbers(where, element, key, **how)) for key, how in wanted.items()}
+    return Element(tag, found)
 
 
 def _checked_link(link: Element) -> Element:
@@ -141,29 +154,11 @@ def _checked_link(link: Element) -> Element:
 def _checked_inertial(where: str, inertial: Element) -> Element:
     copy = Element("inertial")
     copy.append(checked_origin(where, inertial))
-    mass, inertia = only(where, inertial, "mass"), only(where, inertial, "inertia")
-    for tag, element in (("mass", mass), ("inertia", inertia)):
-        if element is None:
+    for tag in ("mass", "inertia"):
+        if (element := only(where, inertial, tag)) is None:
             raise ModelFileError(f"{where} has no <{tag}>; give both <mass> and <inertia>")
-    value = _not_negative(f"{where}, <mass>", mass, "value")
-    SubElement(copy, "mass", value=value)
-    moments = {key: written(numbers(f"{where}, <inertia>", inertia, key)) for key in _INERTIA}
-    SubElement(copy, "inertia", moments)
+        copy.append(_copied(f"{where}, <{tag}>", element, tag, _NUMBERS[tag]))
     return copy
-
-
-def _not_negative(
-    where: str,
-    element: Element | None,
-    attribute: str,
-    *,
-    default: str | None = None,
-    largest: float = LARGEST,
-) -> str:
-    (value,) = numbers(where, element, attribute, default=default, largest=largest)
-    if value < 0.0:
-        raise ModelFileError(f"{where}: `{attribute}` is {value:g}; it must not be negative")
-    return written([value])
 
 
 def checked_joint(joint: Element, links: Collection[str]) -> Element:
@@ -193,9 +188,7 @@ def checked_end(where: str, joint: Element, tag: str, links: Collection[str]) ->
     name = None if element is None else element.get("link")
     if name is None:
         raise ModelFileError(f'{where} has no {tag}; write <{tag} link="..."/>')
-    if name not in links:
-        known = did_you_mean(name, links)
-        raise ModelFileError(f"{where}: the {tag} link {quoted(name)} does not exist{known}")
+    check_name(f"{where}: the {tag} link", name, links)
     return name
 
 
@@ -220,25 +213,16 @@ def _checked_limit(where: str, joint: Element, kind: str) -> list[Element]:
             return []
         example = '<limit lower="-1" upper="1" effort="1" velocity="1"/>'
         raise ModelFileError(f"{where} is {kind} and has no <limit>; write {example}")
-    where = f"{where}, <limit>"
-    copy = Element("limit")
-    for attribute in ("effort", "velocity"):
-        copy.set(attribute, _not_negative(where, element, attribute, largest=math.inf))
-    if kind != "continuous":
-        (lower,) = numbers(where, element, "lower", default="0", largest=math.inf)
-        (upper,) = numbers(where, element, "upper", default="0", largest=math.inf)
-        if lower > upper:
-            got = f"`lower` is {lower:g} and `upper` is {upper:g}"
-            raise ModelFileError(f"{where}: {got} (0 when left out); lower must not exceed upper")
-        copy.attrib.update(lower=written([lower]), upper=written([upper]))
+    where, known = f"{where}, <limit>", _NUMBERS["limit"]
+    copy = _copied(where, element, "limit", known if kind == "continuous" else {**known, **_RANGE})
+    lower, upper = (float(copy.get(key, "0")) for key in _RANGE)
+    if lower > upper:
+        got = f"`lower` is {lower:g} and `upper` is {upper:g}"
+        raise ModelFileError(f"{where}: {got} (0 when left out); lower must not exceed upper")
     return [copy]
 
 
 def _checked_dynamics(where: str, joint: Element) -> list[Element]:
     if (element := only(where, joint, "dynamics")) is None:
         return []
-    where = f"{where}, <dynamics>"
-    keys = ("damping", "friction")
-    return [
-        Element("dynamics", {key: _not_negative(where, element, key, default="0") for key in keys})
-    ]
+    return [_copied(f"{where}, <dynamics>", element, "dynamics", _NUMBERS["dynamics"])]

@@ -62,11 +62,6 @@ class ClosureFile(msgspec.Struct, frozen=True):
             raise ModelFileError("`joint_name` lists a joint twice")
         return {name: kind.upper() for name, kind in found.items()}
 
-    def names(self) -> set[str]:
-        """Return all that the file names."""
-        pairs = {name for pair in self.closed_loop for name in pair}
-        return {*pairs, *self.name_mot, *self.joint_name, *self.joint_type, self.free_flyer}
-
     def floats(self) -> bool:
         """Return whether the base floats."""
         if self.free_flyer.lower() not in _YAML_TRUTHS:
@@ -76,7 +71,16 @@ class ClosureFile(msgspec.Struct, frozen=True):
 
 
 class _Loader(yaml.BaseLoader):  # type: ignore[misc]
-    """Refuses a key that is given twice, of which YAML would keep the last."""
+    """Refuses a key that is given twice, of which YAML would keep the last, and what is no text."""
+
+    def construct_scalar(self, node: yaml.ScalarNode) -> str:
+        text = str(super().construct_scalar(node))
+        try:
+            text.encode()
+        except UnicodeEncodeError:
+            problem = f"{quoted(text)} is no text: a lone surrogate in it is no character"
+            raise yaml.constructor.ConstructorError(None, None, problem, node.start_mark) from None
+        return text
 
     def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
         given: set[str] = set()
@@ -118,26 +122,8 @@ def read_closure_yaml(path: Path) -> tuple[ClosureFile, tuple[str, ...]]:
             found = msgspec.convert(contents, ClosureFile)
         except msgspec.ValidationError as error:
             raise ModelFileError(str(error).replace("$.", "").replace("`$`", "the file")) from None
-        except UnicodeEncodeError as error:
-            raise _no_text(error.object) from None
-        for name in found.names():
-            if not _is_text(name):
-                raise _no_text(name)
         unused = tuple(key for key in contents if key not in keys)
         for key in unused:
             if "mean" in (hint := did_you_mean(key, keys)):
                 raise ModelFileError(f"unknown key {key[:60]!r}{hint}")
     return found, unused
-
-
-def _is_text(name: str) -> bool:
-    try:
-        name.encode()
-    except UnicodeEncodeError:
-        return False
-    return True
-
-
-def _no_text(name: str) -> ModelFileError:
-    why = "a lone surrogate in it is no character"
-    return ModelFileError(f"{quoted(name)} is no text: {why}")

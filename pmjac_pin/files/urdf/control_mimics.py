@@ -12,14 +12,11 @@ from pmjac_pin.errors import ModelFileError, quoted
 from pmjac_pin.files.vocabulary import spelt_like
 from pmjac_pin.files.xml_text import label
 
+#: Where such joints are in a <robot>.
+CONTROL_JOINTS = "ros2_control/joint"
 _LEADER = "mimic"
 _PARAMS = frozenset({_LEADER, "multiplier", "offset"})
 _MIMIC_TRUTHS = {"": None, "true": True, "false": False}
-
-
-def control_joints(robot: Element) -> list[Element]:
-    """Return the joints within <ros2_control>."""
-    return robot.findall("ros2_control/joint")
 
 
 def called_joint(joint: Element) -> str:
@@ -82,7 +79,7 @@ def doubtful(robot: Element, followers: Collection[str]) -> Iterator[str]:
     followers : collection of str
         The joints that follow others, by all that is read.
     """
-    for joint in control_joints(robot):
+    for joint in robot.iterfind(CONTROL_JOINTS):
         said, follows = is_mimic(joint), joint.get("name") in followers
         if said is True and not follows:
             yield f'{called_joint(joint)} has mimic="true", and nothing says which joint it follows'

@@ -19,12 +19,12 @@ import numpy as np
 import pinocchio as pin
 
 from pmjac_pin.errors import ModelFileError, did_you_mean, quoted
-from pmjac_pin.files.anchors import KINDS, WITHOUT_AXIS, Anchors, loop_of_kind, placement_of
+from pmjac_pin.files.anchors import KINDS, Anchors, loop_of_kind, placement_of
 from pmjac_pin.files.joint_dialects import listed
 from pmjac_pin.files.urdf.checks import SHORTEST_AXIS, checked_end, checked_origin
-from pmjac_pin.files.xml_text import label, numbers, only, written
+from pmjac_pin.files.xml_text import check_name, label, numbers, only, written
 from pmjac_pin.model.loop_between_frames import X
-from pmjac_pin.model.loop_spec import JointLoop, Loop, UniversalLoop
+from pmjac_pin.model.loop_spec import JointLoop, Loop
 from pmjac_pin.model.table import Vector
 
 TAGS = ("loop", "constraint")
@@ -68,8 +68,8 @@ def _closing(
     where = f"{element.tag} {name!r}"
     given = element.get("type", "")
     kind = _OTHER_NAMES.get(given, given)
-    if kind not in (*KINDS, "universal"):
-        known = did_you_mean(given, (*KINDS, "universal"))
+    if kind not in KINDS:
+        known = did_you_mean(given, KINDS)
         raise ModelFileError(f"{where} has the unknown type {quoted(given)}{known}")
     tags = ("predecessor", "successor")
     if element.find("parent") is not None or element.find("child") is not None:
@@ -80,13 +80,11 @@ def _closing(
     places = [_end_placement(where, element, tag) for tag in tags]
     if kind == "floating":
         return ClosingElement(where, (first, second), None)
-    axes = (X, X) if kind in WITHOUT_AXIS else _loop_axes(where, element, kind)
+    axes = (X, X) if kind in ("spherical", "fixed") else _loop_axes(where, element, kind)
     if kind != "universal":
         places[1] *= _turn_of_second(where, kind, axes)
     frames = (anchors.add(name, first, places[0]), anchors.add(name, second, places[1]))
-    if kind == "universal":
-        return ClosingElement(where, (first, second), UniversalLoop(frames=frames, axes=axes))
-    return ClosingElement(where, (first, second), loop_of_kind(kind, frames, axes[0]))
+    return ClosingElement(where, (first, second), loop_of_kind(kind, frames, axes))
 
 
 def _end_placement(where: str, element: Element, tag: str) -> pin.SE3:
@@ -152,9 +150,7 @@ def read_gears(joints: Sequence[Element]) -> tuple[JointLoop, ...]:
         if joint.get("type") == "fixed":
             continue
         where, leader = f"{where}, <mimic>", mimic.get("joint", "")
-        if leader not in names:
-            known = did_you_mean(leader, names)
-            raise ModelFileError(f"{where}: the joint {quoted(leader)} does not exist{known}")
+        check_name(f"{where}: the joint", leader, names)
         (ratio,) = numbers(where, mimic, "multiplier", default="1")
         (offset,) = numbers(where, mimic, "offset", default="0")
         follower = joint.get("name", "")

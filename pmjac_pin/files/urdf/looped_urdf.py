@@ -14,39 +14,26 @@ from xml.etree.ElementTree import Element
 from pmjac_pin.files.anchors import Anchors
 from pmjac_pin.files.cut_joints import CutJoints
 from pmjac_pin.files.foreign_model import ForeignModel
-from pmjac_pin.files.gazebo_plugins import is_mimic_plugin, misread_mimics, unread_harmless
-from pmjac_pin.files.joint_dialects import (
-    floating_balls,
-    home_within_limits,
-    independence,
-    opened_limits,
-)
+from pmjac_pin.files.joint_dialects import home_within_limits, independence, opened_limits
 from pmjac_pin.files.massless import mass_notes
 from pmjac_pin.files.sdf.plugins import is_detachable
 from pmjac_pin.files.sdf.vocabulary import SDF_WORDS
 from pmjac_pin.files.text_file import at_file, read_text
-from pmjac_pin.files.unread_springs import spring_notes, sprung_joints
 from pmjac_pin.files.urdf.checks import VELOCITIES, check_size, checked_names
-from pmjac_pin.files.urdf.control_mimics import doubtful
-from pmjac_pin.files.urdf.couplings import follower, take_couplings
+from pmjac_pin.files.urdf.couplings import follower
+from pmjac_pin.files.urdf.dialects import Said, take_said, unread_words
 from pmjac_pin.files.urdf.joint_tree import UrdfJoint
-from pmjac_pin.files.urdf.loop_elements import (
-    ClosingElement,
-    idle_mimics,
-    read_closings,
-    read_gears,
-)
+from pmjac_pin.files.urdf.loop_elements import ClosingElement, read_closings
 from pmjac_pin.files.urdf.robot import MAXIMAL_URDF, Urdf
-from pmjac_pin.files.urdf.rotors import kept_rotors
+from pmjac_pin.files.urdf.rotors import lost_rotors
 from pmjac_pin.files.urdf.ties import (
+    GAZEBO_JOINTS,
+    PLUGINS,
     closing_frames,
-    joints_of_gazebo,
     refuse_unreadable,
     take_gazebo_joints,
     take_loops,
-    take_mimics,
 )
-from pmjac_pin.files.urdf.vocabulary import URDF_WORDS
 from pmjac_pin.files.xml_text import parse_xml
 from pmjac_pin.model.loop_spec import JointLoop
 
@@ -104,15 +91,11 @@ def read_robot(
         Without the file's path.
     """
     elements, names, unread = _checked(robot)
-    followers = [joint.get("name", "") for joint in elements if joint.find("mimic") is not None]
-    limit_notes, balls = opened_limits(elements), floating_balls(elements)
-    limit_notes += idle_mimics(elements)
-    independent = independence(elements)
-    gears, led = _gears(robot, elements, independent)
-    cut = CutJoints.of(elements, names, balls, _uncut(motors, independent, gears))
+    limit_notes, said = opened_limits(elements), take_said(robot)
+    independent, gears = independence(elements), [*said.mimics, *said.couplings]
+    cut = CutJoints.of(elements, names, said.balls, _uncut(motors, independent, gears))
     declared, tie_notes = _declared(robot, names, cut, joined)
-    springs = spring_notes(sprung_joints(robot))
-    armature, lost = kept_rotors(robot, [joint.name for joint in cut.kept])
+    kept = [joint.name for joint in cut.kept]
     cut.remove_from(robot)
     anchors = Anchors(robot)
     cut.turn(anchors)
@@ -125,15 +108,15 @@ def read_robot(
         name=path.stem,
         urdf=urdf,
         loops=tuple(loop for loop in loops if loop is not None),
-        spherical=tuple(joint.name for joint in cut.kept if joint.name in balls),
-        armature=armature,
+        spherical=tuple(name for name in kept if name in said.balls),
+        armature={name: said.armature[name] for name in said.armature if name in kept},
         home=home,
-        actuated=_actuated(cut.kept, independent, led),
+        actuated=_actuated(cut.kept, independent, _followers(said, independent)),
         notes=(
-            *(*limit_notes, *home_notes, *cut.notes(), *lost, *tie_notes),
-            *(*_closing_notes(closings, cut.kept), *springs, *massless),
+            *(*limit_notes, *home_notes, *cut.notes(), *lost_rotors(said.armature, kept)),
+            *(*tie_notes, *_closing_notes(closings, cut.kept), *said.notes, *massless),
         ),
-        unread=(*unread, *doubtful(robot, followers)),
+        unread=(*unread, *said.unread),
     )
 
 
@@ -146,37 +129,28 @@ def _uncut(
 
 
 def _checked(robot: Element) -> tuple[list[Element], Collection[str], tuple[str, ...]]:
-    """Return a robot's joints, their mimics taken, names of its links, and what nobody reads."""
+    """Return a robot's joints, names of its links, and what nobody reads."""
     links, elements = robot.findall("link"), robot.findall("joint")
     check_size(links, elements)
     names = checked_names(links)
     checked_names(elements)
     unread = _unread(robot)
     refuse_unreadable(robot)
-    take_mimics(robot, elements)
     return elements, names, unread
 
 
-def _gears(
-    robot: Element, elements: Sequence[Element], independent: Mapping[str, bool]
-) -> tuple[tuple[JointLoop, ...], set[str]]:
-    """Take what couples joints out of a robot; return it, and the joints that follow others."""
-    mimics, couplings = read_gears(elements), take_couplings(robot, elements)
-    led = {follower(gear, independent) for gear in couplings}
-    return (*mimics, *couplings), led | {gear.joints[1] for gear in mimics}
+def _followers(said: Said, independent: Mapping[str, bool]) -> set[str]:
+    """Return the joints that follow others."""
+    led = {follower(gear, independent) for gear in said.couplings}
+    return led | {gear.joints[1] for gear in said.mimics}
 
 
 def _unread(robot: Element) -> tuple[str, ...]:
     """Return what of a robot nobody reads, once no word in it looks misspelt."""
-    joints = joints_of_gazebo(robot)
-    plugins = [
-        plugin
-        for plugin in robot.iterfind("gazebo/plugin")
-        if is_mimic_plugin(plugin) or is_detachable(plugin, robot)
-    ]
+    joints = robot.findall(GAZEBO_JOINTS)
+    held = [plugin for plugin in robot.iterfind(PLUGINS) if is_detachable(plugin, robot)]
     inside = [note for joint in joints for note in SDF_WORDS.unread(joint)]
-    skipped = (*joints, *plugins, *unread_harmless(robot))
-    return (*URDF_WORDS.unread(robot, *skipped), *inside, *misread_mimics(robot))
+    return (*unread_words(robot, *joints, *held), *inside)
 
 
 def _declared(

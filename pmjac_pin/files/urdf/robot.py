@@ -8,22 +8,16 @@ changed. What Pinocchio gets is `Urdf.kinematic_xml`, never the file itself.
 from __future__ import annotations
 
 import copy
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from types import MappingProxyType
-from typing import Self
-from xml.etree.ElementTree import Element, tostring
+from typing import NamedTuple, Self
+from xml.etree.ElementTree import Element, SubElement, tostring
 
 from pmjac_pin.errors import ModelFileError, unknown_name
-from pmjac_pin.files.gazebo_plugins import unread_harmless
 from pmjac_pin.files.text_file import at_file
-from pmjac_pin.files.urdf.checks import (
-    checked_joint,
-    checked_origin,
-    checked_robot,
-)
-from pmjac_pin.files.urdf.control_mimics import doubtful
+from pmjac_pin.files.urdf.checks import checked_joint, checked_robot
 from pmjac_pin.files.urdf.joint_tree import UrdfJoint, joints_of
 from pmjac_pin.files.urdf.vocabulary import URDF_WORDS
 from pmjac_pin.files.xml_text import label, numbers, only, parse_xml, written
@@ -127,6 +121,14 @@ class Urdf:
         """
         return tostring(self._kinematic, encoding="unicode")
 
+    def heavy(self) -> set[str]:
+        """Return the links that have a mass."""
+        return {
+            link.get("name", "")
+            for link in self._kinematic.iterfind("link")
+            if (mass := link.find("inertial/mass")) is not None and float(mass.get("value", "")) > 0
+        }
+
     def changed(self, robot: Element, joints: Collection[str]) -> Self:
         """Return the URDF with a changed copy of its <robot>.
 
@@ -172,19 +174,27 @@ class Urdf:
             would not be positive.
         """
         with at_file(self.path):
+            asked = list(moves)
+            self._targets(self._robot, asked)
+            steps = [(move, delta) for move, delta in asked if delta != 0.0]
+            if not steps:
+                return self
             robot = self.robot()
-            named = _what_moves_name(robot)
-            steps = [(self._target(named, move), move, delta) for move, delta in moves]
-            steps = [step for step in steps if step[-1] != 0.0]
-            for element, move, delta in steps:
-                _move_origin(element, move, delta)
-                _move_shape(element, move, delta)
-            for element, move, _ in steps:
-                if move.visual is not None:  # joints are checked when they are changed
-                    checked_origin(label(element), element)
-                    _check_positive(element, move)
-        joints = {move.joint for _, move, _ in steps if move.joint is not None}
-        return self.changed(robot, joints) if steps else self
+            places = [
+                (place, delta)
+                for (move, delta), element in zip(steps, self._targets(robot, steps), strict=True)
+                for place in _moved_places(element, move)
+            ]
+            for place, delta in places:
+                place.add(delta)
+            for place, _ in places:  # one may shrink a shape and another make up for it
+                place.check()
+        joints = {move.joint for move, _ in steps if move.joint is not None}
+        return self.changed(robot, joints)
+
+    def _targets(self, robot: Element, moves: Iterable[tuple[Move, float]]) -> list[Element]:
+        named = _what_moves_name(robot)
+        return [self._target(named, move) for move, _ in moves]
 
     def _target(self, named: Mapping[tuple[str, str], list[Element]], move: Move) -> Element:
         """Return the element that a move names, once it is certain that it can be moved so."""
@@ -224,7 +234,7 @@ def parse_urdf(text: str, path: str) -> Urdf:
     """
     with at_file(path):
         robot = parse_xml(text)
-        unread = (*URDF_WORDS.unread(robot, *unread_harmless(robot)), *doubtful(robot, ()))
+        unread = URDF_WORDS.unread(robot)
     return Urdf.of(robot, path, unread)
 
 
@@ -237,23 +247,43 @@ def _what_moves_name(robot: Element) -> dict[tuple[str, str], list[Element]]:
     return named
 
 
-def _add(
-    where: str, element: Element, attribute: str, coefficients: tuple[float, ...], delta: float
-) -> None:
-    default = "0 0 0" if element.tag == "origin" else None
-    before = numbers(where, element, attribute, default=default, count=len(coefficients))
-    pairs = zip(before, coefficients, strict=True)
-    element.set(attribute, written(old + coefficient * delta for old, coefficient in pairs))
+class _Place(NamedTuple):
+    """Numbers that a move adds to."""
+
+    where: str
+    element: Element
+    attribute: str
+    coefficients: tuple[float, ...]
+
+    def _numbers(self) -> list[float]:
+        default = "0 0 0" if self.element.tag == "origin" else None
+        count = len(self.coefficients)
+        return numbers(self.where, self.element, self.attribute, default=default, count=count)
+
+    def add(self, delta: float) -> None:
+        pairs = zip(self._numbers(), self.coefficients, strict=True)
+        self.element.set(self.attribute, written(old + one * delta for old, one in pairs))
+
+    def check(self) -> None:
+        """Refuse numbers that are too large, and sizes that are none."""
+        values = self._numbers()
+        if self.element.tag != "origin" and min(values) <= 0.0:
+            got = f"`{self.attribute}` would become {written(values)}"
+            raise ModelFileError(f"{self.where}: {got}; it must be positive")
 
 
-def _move_origin(element: Element, move: Move, delta: float) -> None:
+def _moved_places(element: Element, move: Move) -> Iterator[_Place]:
+    """Yield the numbers of an element that a move adds to."""
+    where = label(element)
     for attribute, coefficients in (("xyz", move.xyz), ("rpy", move.rpy)):
         if any(coefficients):
-            where = label(element)
-            if (origin := only(where, element, "origin")) is None:
-                origin = Element("origin")
-                element.append(origin)
-            _add(f"{where}, <origin>", origin, attribute, coefficients, delta)
+            origin = only(where, element, "origin")
+            if origin is None:
+                origin = SubElement(element, "origin")
+            yield _Place(f"{where}, <origin>", origin, attribute, coefficients)
+    if (shape := _resized_shape(element, move)) is not None:
+        for attribute, sizes in size_coefficients(move).items():
+            yield _Place(f"{where}, <{shape.tag}>", shape, attribute, sizes)
 
 
 def size_coefficients(move: Move) -> dict[str, tuple[float, ...]]:
@@ -276,21 +306,3 @@ def _resized_shape(element: Element, move: Move) -> Element | None:
             known = f"; it has: {', '.join(sizes)}" if sizes else ""
             raise ModelFileError(f"{got}{known}")
     return geometry[0]
-
-
-def _move_shape(element: Element, move: Move, delta: float) -> None:
-    if (shape := _resized_shape(element, move)) is not None:
-        where = f"{label(element)}, <{shape.tag}>"
-        for attribute, coefficients in size_coefficients(move).items():
-            _add(where, shape, attribute, coefficients, delta)
-
-
-def _check_positive(element: Element, move: Move) -> None:
-    # Only once all moves are done: one may shrink a shape and another make up for it.
-    if (shape := _resized_shape(element, move)) is not None:
-        where = f"{label(element)}, <{shape.tag}>"
-        for attribute, coefficients in size_coefficients(move).items():
-            values = numbers(where, shape, attribute, count=len(coefficients))
-            if min(values) <= 0.0:
-                got = f"`{attribute}` would become {written(values)}"
-                raise ModelFileError(f"{where}: {got}; it must be positive")

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Mapping
 from xml.etree.ElementTree import Element
 
-from pmjac_pin.errors import ModelFileError, did_you_mean, quoted
-from pmjac_pin.files.xml_text import label, numbers, only
+from pmjac_pin.errors import ModelFileError
+from pmjac_pin.files.xml_text import check_name, label, numbers, only
 
 
 def rotors(robot: Element) -> dict[str, float]:
@@ -25,11 +25,7 @@ def rotors(robot: Element) -> dict[str, float]:
     joints = {joint.get("name", ""): joint for joint in robot.iterfind("joint")}
     found = {name: _of_dynamics(joint) + _reflected(joint) for name, joint in joints.items()}
     for name, armature in _of_transmissions(robot):
-        if name not in found:
-            known = did_you_mean(name, found)
-            raise ModelFileError(
-                f"a transmission with a rotor: unknown joint {quoted(name)}{known}"
-            )
+        check_name("a transmission with a rotor: the joint", name, found)
         found[name] += armature
     return {
         name: armature
@@ -51,35 +47,19 @@ def _of_transmissions(robot: Element) -> Iterator[tuple[str, float]]:
 
 
 def _of_dynamics(joint: Element) -> float:
-    dynamics = joint.find("dynamics")
-    return (
-        0.0
-        if dynamics is None
-        else _rotor_inertia(f"{label(joint)}, <dynamics>", dynamics, "armature")
-    )
+    return _rotor_inertia(f"{label(joint)}, <dynamics>", joint.find("dynamics"), "armature")
 
 
 def _reflected(holder: Element) -> float:
     """Return the inertia of Drake's rotor as its joint feels it."""
     where = label(holder)
     rotor, gear = (only(where, holder, f"{{*}}{tag}") for tag in ("rotor_inertia", "gear_ratio"))
-    if rotor is None:
-        return 0.0
     (ratio,) = numbers(f"{where}, <drake:gear_ratio>", gear, "value", default="1")
     return _rotor_inertia(f"{where}, <drake:rotor_inertia>", rotor, "value") * ratio**2
 
 
-def _rotor_inertia(where: str, element: Element, attribute: str) -> float:
-    (inertia,) = numbers(where, element, attribute, default="0")
-    if inertia < 0.0:
-        raise ModelFileError(f"{where}: `{attribute}` is below 0: {inertia:g}")
-    return inertia
-
-
-def kept_rotors(robot: Element, kept: Collection[str]) -> tuple[dict[str, float], list[str]]:
-    """Return the armatures of the joints that are kept, and what is said of the others."""
-    found = rotors(robot)
-    return {name: found[name] for name in found if name in kept}, lost_rotors(found, kept)
+def _rotor_inertia(where: str, element: Element | None, attribute: str) -> float:
+    return numbers(where, element, attribute, default="0", least=0.0)[0]
 
 
 def lost_rotors(armature: Mapping[str, float], kept: Collection[str]) -> list[str]:

@@ -16,21 +16,22 @@ from xml.etree.ElementTree import Element, SubElement
 
 import pinocchio as pin
 
-from pmjac_pin.errors import ModelFileError, did_you_mean, quoted
+from pmjac_pin.errors import ModelFileError
 from pmjac_pin.files.gazebo_plugins import is_mimic_plugin
 from pmjac_pin.files.sdf.frames import MODEL, WORLD, Frames, SdfFrame
 from pmjac_pin.files.sdf.joints import SdfJoint, read_joint
 from pmjac_pin.files.sdf.plugins import BALL, ball_parts, detachable_joints, is_detachable
 from pmjac_pin.files.tree_urdf import origin
-from pmjac_pin.files.urdf.control_mimics import called_joint, control_joints, mimic_params
+from pmjac_pin.files.urdf.control_mimics import CONTROL_JOINTS, called_joint, mimic_params
 from pmjac_pin.files.urdf.loop_elements import TAGS
 from pmjac_pin.files.vocabulary import spelt
-from pmjac_pin.files.xml_text import label, numbers_in, only, written
+from pmjac_pin.files.xml_text import check_name, label, numbers_in, only, written
 
-PLUGINS = "gazebo/plugin"
+PLUGINS, GAZEBO_JOINTS = "gazebo/plugin", "gazebo/joint"  # where they are in a <robot>
+CLOSING = "closing_"  # what onshape-to-robot calls frames that coincide
 _AXES_OF_THE_JOINT = (1, 12)  # the version of SDFormat, whose axes are in the joint's frame
 _LOOP_KINDS = {"ball": "spherical"}
-_CLOSING_FRAME = re.compile(r"(closing_.+)_(\d+)")
+_CLOSING_FRAME = re.compile(rf"({CLOSING}.+)_(\d+)")
 _NOT_READ = {
     "drake:coupler_constraint": "gear the joints by <mimic>",
     "drake:weld_constraint": 'write it as <loop type="fixed">',
@@ -83,11 +84,6 @@ def _ball_constraint(element: Element) -> Element:
         link = SubElement(loop, end, link=given[body].get("name", ""))
         SubElement(link, "origin", xyz=given[point].get("value", ""))
     return loop
-
-
-def joints_of_gazebo(robot: Element) -> list[Element]:
-    """Return the joints within <gazebo>, which SDFormat describes."""
-    return robot.findall("gazebo/joint")
 
 
 def take_gazebo_joints(
@@ -187,19 +183,32 @@ def closing_frames(
     return found, notes
 
 
-def take_mimics(robot: Element, joints: Sequence[Element]) -> None:
-    """Move into each joint, as <mimic>, what plugins and <ros2_control> say it follows.
+def take_plugin_mimics(robot: Element) -> None:
+    """Move into each joint, as <mimic>, what Gazebo's plugins say it follows.
 
     Raises
     ------
     ModelFileError
         A joint that does not exist, or that is to follow in two ways.
     """
-    by_name = {joint.get("name", ""): joint for joint in joints}
-    for where, follower, mimic in (*_plugin_ties(robot), *_of_control(robot)):
-        if follower not in by_name:
-            known = did_you_mean(follower, by_name)
-            raise ModelFileError(f"{where}: the joint {quoted(follower)} does not exist{known}")
+    _put_mimics(robot, _plugin_ties(robot))
+
+
+def take_control_mimics(robot: Element) -> None:
+    """Move into each joint, as <mimic>, what <ros2_control> says it follows.
+
+    Raises
+    ------
+    ModelFileError
+        As `take_plugin_mimics`.
+    """
+    _put_mimics(robot, _of_control(robot))
+
+
+def _put_mimics(robot: Element, ties: Iterator[tuple[str, str, Element]]) -> None:
+    by_name = {joint.get("name", ""): joint for joint in robot.iterfind("joint")}
+    for where, follower, mimic in ties:
+        check_name(f"{where}: the joint", follower, by_name)
         joint = by_name[follower]
         if (own := only(label(joint), joint, "mimic")) is None:
             joint.append(mimic)
@@ -228,7 +237,7 @@ def _plugin_ties(robot: Element) -> Iterator[tuple[str, str, Element]]:
 
 
 def _of_control(robot: Element) -> Iterator[tuple[str, str, Element]]:
-    for joint in control_joints(robot):
+    for joint in robot.iterfind(CONTROL_JOINTS):
         if params := mimic_params(joint):
             joint.remove(leader := params["mimic"])
             yield (

@@ -12,10 +12,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pinocchio as pin
 
-from pmjac_pin.closing.damped_closure import assemble
+from pmjac_pin.closing.closure_problem import LoopEquations
+from pmjac_pin.closing.damped_closure import assemble, motor_weights
+from pmjac_pin.closing.held_motors import shaken
 from pmjac_pin.closing.machine_size import Size
 from pmjac_pin.closing.nearby_poses import FARTHEST
-from pmjac_pin.closing.pose_assembly import motor_weights, shaken
+from pmjac_pin.closing.pose_assembly import FOLDS
 from pmjac_pin.model.frames import find_frame
 from pmjac_pin.model.joint_kinds import kind_of
 from pmjac_pin.model.loop_spec import JointLoop, Loop
@@ -179,20 +181,31 @@ def loop_gaps(machine: CheckedMachine, q: Array) -> tuple[float, ...]:
 def _gap_alone(structure: Structure, rows: slice, best: Array | None) -> float:
     """Return the smallest gap that one loop reaches, all joints free and the others left open."""
     problem, least = structure.machine.problem, math.inf
-
-    def evaluate(q: Array) -> tuple[Array, Array]:
-        residual, jacobian = problem.evaluate(q)
-        return residual[rows], jacobian[rows]
-
     partition = replace(problem.partition, row_scale=problem.partition.row_scale[rows])
-    alone = replace(problem, evaluate=evaluate, partition=partition)
+    alone = replace(problem, loops=_OneLoop(problem.loops, rows), partition=partition)
     weights, room = motor_weights(problem, 1.0), structure.machine.coordinates.room
     known = [structure.home] if best is None else [structure.home, best]
-    for start in (*known, *shaken(problem, structure.home)):
+    for start in (*known, *shaken(problem, structure.home, FOLDS, weights)):
         least = min(least, assemble(alone, start, weights, room=room).gap)
         if least <= problem.tolerance:
             break
     return least
+
+
+@dataclass(frozen=True)
+class _OneLoop:
+    """The equations of one loop of many: their rows."""
+
+    loops: LoopEquations
+    rows: slice
+
+    def closure(self, q: Array) -> tuple[Array, Array]:
+        residual, jacobian = self.loops.closure(q)
+        return residual[self.rows], jacobian[self.rows]
+
+    def evaluate(self, q: Array) -> tuple[Array, Array]:
+        residual, jacobian = self.loops.evaluate(q)
+        return residual[self.rows], jacobian[self.rows]
 
 
 def _end_bodies(model: pin.Model, loop: Loop) -> set[int]:

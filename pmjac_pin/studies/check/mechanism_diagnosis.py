@@ -6,9 +6,8 @@ import msgspec
 import numpy as np
 import pinocchio as pin
 
-from pmjac_pin.closing.damped_closure import assemble
+from pmjac_pin.closing.damped_closure import assemble, motor_weights
 from pmjac_pin.closing.nearby_poses import nearby
-from pmjac_pin.closing.pose_assembly import motor_weights
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.rates.actuation import analyse_actuation
 from pmjac_pin.rates.factorisation import factorise

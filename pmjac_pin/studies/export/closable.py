@@ -13,6 +13,7 @@ from pmjac_pin.model.loop_spec import DistanceLoop, Loop, PointLoop, RevoluteLoo
 from pmjac_pin.studies.export.hubs import with_hub
 from pmjac_pin.studies.export.plain_machine import PlainMachine
 from pmjac_pin.studies.export.rods import with_rod
+from pmjac_pin.values.arrays import Array
 
 
 def closable(
@@ -41,15 +42,18 @@ def closable(
     return machine, notes
 
 
+def with_point_on_axis(machine: PlainMachine, frame: str, axis: Array) -> tuple[PlainMachine, str]:
+    """Return the machine with a frame on an axis through another, as far away as it is large."""
+    body, place = machine.frames[frame]
+    name = unused_name(f"{frame}_on_axis", machine.taken)
+    end = place * pin.SE3(np.eye(3), machine.length * axis)
+    return machine.with_frame(name, body, end), name
+
+
 def with_two_points(machine: PlainMachine, loop: RevoluteLoop) -> PlainMachine:
     """Return the machine with two points on a hinge's axis, as far apart as it is large."""
-    ends, taken = [], machine.taken
-    for name in loop.frames:
-        body, place = machine.frames[name]
-        end = unused_name(f"{name}_on_axis", taken)
-        away = pin.SE3(np.eye(3), machine.length * np.array(loop.axis))
-        machine = machine.with_frame(end, body, place * away)
-        ends.append(end)
-    points = (PointLoop(frames=loop.frames), PointLoop(frames=(ends[0], ends[1])))
+    machine, one = with_point_on_axis(machine, loop.frames[0], np.array(loop.axis))
+    machine, other = with_point_on_axis(machine, loop.frames[1], np.array(loop.axis))
+    points = (PointLoop(frames=loop.frames), PointLoop(frames=(one, other)))
     loops = (points if one is loop else (one,) for one in machine.loops)
     return replace(machine, loops=tuple(one for some in loops for one in some))

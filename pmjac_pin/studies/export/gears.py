@@ -6,10 +6,11 @@ none, the ties of joints that hang together are turned so that all follow one of
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Sequence
 
 from pmjac_pin.errors import ArgumentError, quoted
 from pmjac_pin.model.loop_spec import JointLoop
+from pmjac_pin.values.groups import sharing_groups
 
 
 def followers(gears: Sequence[JointLoop], motors: Collection[str], to: str) -> list[JointLoop]:
@@ -21,7 +22,8 @@ def followers(gears: Sequence[JointLoop], motors: Collection[str], to: str) -> l
         They cannot be turned so.
     """
     found: list[JointLoop] = []
-    for group in _geared_groups(gears):
+    for numbers in sharing_groups([set(gear.joints) for gear in gears]):
+        group = [gears[k] for k in numbers]
         joints = list(dict.fromkeys(name for gear in group for name in gear.joints))
         driven = [name for name in joints if name in motors]
         chains = [chain for root in driven or joints if (chain := _led_by(root, group))]
@@ -32,18 +34,6 @@ def followers(gears: Sequence[JointLoop], motors: Collection[str], to: str) -> l
             raise ArgumentError(f"{to} cannot say that {tied}, {why}, are geared; {todo}")
         found += min(chains, key=lambda chain: sum(gear not in group for gear in chain))
     return found
-
-
-def _geared_groups(gears: Iterable[JointLoop]) -> list[list[JointLoop]]:
-    """Return gears in groups that share joints, in order."""
-    groups: list[list[JointLoop]] = []
-    for gear in gears:
-        mine, others = [gear], []
-        for group in groups:
-            shared = {name for one in group for name in one.joints} & set(gear.joints)
-            (mine := [*group, *mine]) if shared else others.append(group)
-        groups = [*others, mine]
-    return groups
 
 
 def _led_by(root: str, group: Sequence[JointLoop]) -> list[JointLoop]:

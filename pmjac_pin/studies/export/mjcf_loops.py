@@ -13,7 +13,6 @@ from collections.abc import Mapping
 from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
-import pinocchio as pin
 
 from pmjac_pin.files.unused_name import unused_name
 from pmjac_pin.files.xml_text import written
@@ -26,12 +25,12 @@ from pmjac_pin.model.loop_spec import (
     RevoluteLoop,
     UniversalLoop,
 )
+from pmjac_pin.studies.export.closable import with_point_on_axis
 from pmjac_pin.studies.export.plain_machine import PlainMachine
 from pmjac_pin.values.arrays import Array
 
 #: Kinds of loops that need no hub, beside gears.
 MJCF_LOOPS = (PointLoop, FrameLoop, RevoluteLoop, UniversalLoop, DistanceLoop)
-_POINT_ON_AXIS = "{}_on_axis"
 
 
 def closed_by_equalities(machine: PlainMachine) -> tuple[PlainMachine, Element, Element]:
@@ -101,11 +100,8 @@ class _Equalities:
         SubElement(self.equality, "connect", name=label, site1=first, site2=second)
 
     def _point(self, site: str, axis: Array) -> str:
-        """Return a site on an axis through another, as far from it as the machine is large."""
-        body, place = self.machine.frames[site]
-        name = unused_name(_POINT_ON_AXIS.format(site), self.machine.taken)
-        end = place * pin.SE3(np.eye(3), self.machine.length * axis)
-        self.machine = self.machine.with_frame(name, body, end)
+        """Return a site on an axis through another."""
+        self.machine, name = with_point_on_axis(self.machine, site, axis)
         return name
 
     def _rod(self, label: str, first: str, second: str, length: float) -> None:

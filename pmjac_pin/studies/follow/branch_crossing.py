@@ -12,7 +12,7 @@ from pmjac_pin.studies.follow.branching import along, branch_tangents, on_next_p
 from pmjac_pin.studies.follow.motor_path import PathPiece
 from pmjac_pin.studies.follow.passage import Passage
 from pmjac_pin.studies.follow.path_equations import PathEquations
-from pmjac_pin.studies.follow.step import PathPose
+from pmjac_pin.studies.follow.stretch import PathPose
 from pmjac_pin.studies.follow.walker import CourseWalker
 from pmjac_pin.values.arrays import Array
 

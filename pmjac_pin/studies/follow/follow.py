@@ -7,7 +7,7 @@ from typing import Any, Literal
 
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.direct_kinematics import Guess, start_of
-from pmjac_pin.errors import ArgumentError, Interrupted, quoted
+from pmjac_pin.errors import Interrupted
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.limits import enforced
 from pmjac_pin.studies.follow.course import Course
@@ -20,7 +20,8 @@ from pmjac_pin.studies.follow.tool_course import check_start_within, tool_course
 from pmjac_pin.studies.follow.trajectory import Trajectory, sample_times
 from pmjac_pin.studies.follow.user_events import UserEvents
 from pmjac_pin.studies.reach.task import Task
-from pmjac_pin.values.checks import as_flag, check_callable, check_kind
+from pmjac_pin.values.arrays import Array
+from pmjac_pin.values.checks import as_flag, check_callable, check_kind, check_one_of
 
 
 def follow(
@@ -115,52 +116,54 @@ def follow(
     """
     check_kind(mechanism, Mechanism)
     check_callable(progress, "progress")
-    if singularity not in ("stop", "pass"):
-        raise ArgumentError(f"singularity is 'stop' or 'pass', got {quoted(singularity)}")
+    check_one_of(singularity, "singularity", ("stop", "pass"))
     whose = enforced(enforce_limits)
     course, begin, targets = _course(
-        mechanism,
-        path,
-        start=start,
-        coordinates=coordinates,
-        tool=tool,
-        times=times,
-        enforce_limits=enforce_limits,
+        mechanism, path, times, coordinates, tool, start=start, enforce_limits=enforce_limits
     )
     wanted = sample_times(samples, course.path.start, course.path.end)
-    watched = UserEvents.given(course, events)
     journey = Journey(
         course,
         beginning(course, begin),
         course.configuration(begin.q),
-        watched,
+        UserEvents.given(course, events),
         whose=whose,
         passing=singularity == "pass",
         certified=as_flag(certified, "certified"),
     )
-    try:
-        for t in journey.go():
-            if progress is not None:
-                progress(t, course.path.end)
-    except KeyboardInterrupt:
-        done = journey.interrupted().trajectory(wanted)
-        message = f"followed to t = {done.t[-1]:g} of {course.path.end:g}, kept in `done`"
-        raise Interrupted(message, done) from None
-    found = journey.trajectory(wanted)
+    found = _followed(journey, wanted, course.path.end, progress)
     if targets is not None:
         for t, q in zip(found.t.tolist(), found.q, strict=True):
             targets.check_met(t, q)
     return found
 
 
+def _followed(
+    journey: Journey,
+    wanted: Array | None,
+    end: float,
+    progress: Callable[[float, float], object] | None,
+) -> Trajectory:
+    """Return what is found on the way; as far as it is known where somebody interrupts it."""
+    try:
+        for t in journey.go():
+            if progress is not None:
+                progress(t, end)
+    except KeyboardInterrupt:
+        done = journey.interrupted().trajectory(wanted)
+        message = f"followed to t = {done.t[-1]:g} of {end:g}, kept in `done`"
+        raise Interrupted(message, done) from None
+    return journey.trajectory(wanted)
+
+
 def _course(
     mechanism: Mechanism,
     path: Any,
-    *,
-    start: Guess,
+    times: Any,
     coordinates: Sequence[str] | Literal["pose"] | Task | None,
     tool: str | Sequence[str] | None,
-    times: Any,
+    *,
+    start: Guess,
     enforce_limits: bool | Literal["all"],
 ) -> tuple[Course, Configuration, PoseTargets | None]:
     """Return the course, of motors or tool, the pose where it begins, and the tool's targets."""

@@ -90,6 +90,16 @@ def ascending_times(times: Any) -> Array:
     return found
 
 
+def waypoint_times(count: int, times: Array | None) -> Array:
+    """Return the times of so many waypoints: 0, 1, 2, ... where a caller gives none."""
+    if count < 2:
+        raise ArgumentError(f"a path has two waypoints or more, got {count}")
+    found = np.arange(float(count)) if times is None else times
+    if len(found) != count:
+        raise ArgumentError(f"{count} waypoints and {len(found)} times do not fit")
+    return found
+
+
 def _check_apart(times: Array) -> None:
     """Raise ArgumentError where an event between two times could not be told from them."""
     nearest = max(_TOLD_APART, _TIME_ROUNDING * float(np.abs(times).max(initial=0.0)))
@@ -102,12 +112,7 @@ def _check_apart(times: Array) -> None:
 
 def _straight(values: Array, times: Array | None) -> list[PathPiece]:
     """Return straight pieces between waypoints."""
-    if len(values) < 2:
-        raise ArgumentError(f"a path has two waypoints or more, got {len(values)}")
-    if times is None:
-        times = np.arange(float(len(values)))
-    if len(times) != len(values):
-        raise ArgumentError(f"{len(values)} waypoints and {len(times)} times do not fit")
+    times = waypoint_times(len(values), times)
     slopes = np.diff(values, axis=0) / np.diff(times)[:, None]
     return [
         PathPiece(start, end, start, np.array([slope, value]))

@@ -9,7 +9,7 @@ import numpy as np
 from pmjac_pin.studies.follow.course import Course
 from pmjac_pin.studies.follow.crossings import IntervalEnds, Watched, slack_crossings, zero_beside
 from pmjac_pin.studies.follow.event import Event
-from pmjac_pin.studies.follow.passage import Stretch
+from pmjac_pin.studies.follow.stretch import Stretch
 from pmjac_pin.values.arrays import Array
 
 _WITHIN = 1e-9  # m or rad: rounding on the way to a limit is no violation

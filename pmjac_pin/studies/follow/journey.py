@@ -14,9 +14,10 @@ from pmjac_pin.studies.follow.course import Course
 from pmjac_pin.studies.follow.event import Event
 from pmjac_pin.studies.follow.homecoming import homecoming
 from pmjac_pin.studies.follow.joint_limits import JointLimits
-from pmjac_pin.studies.follow.passage import Passage, Stretch
+from pmjac_pin.studies.follow.passage import Passage
 from pmjac_pin.studies.follow.path_end import path_end
-from pmjac_pin.studies.follow.step import CoveredStep, PathPose
+from pmjac_pin.studies.follow.step import CoveredStep
+from pmjac_pin.studies.follow.stretch import PathPose, Stretch
 from pmjac_pin.studies.follow.tool_losses import what_is_lost
 from pmjac_pin.studies.follow.trajectory import PathStatus, Trajectory, acceleration_along
 from pmjac_pin.studies.follow.tubes import PathProof

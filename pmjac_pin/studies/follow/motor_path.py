@@ -101,11 +101,6 @@ class MotorPath:
         """The last parameter."""
         return self.pieces[-1].end
 
-    @property
-    def breaks(self) -> Array:
-        """Where pieces begin and end."""
-        return np.array([piece.start for piece in self.pieces] + [self.end])
-
     def number_at(self, t: float) -> int:
         """Return which piece holds a parameter: the later one where two meet."""
         starts = [piece.start for piece in self.pieces]

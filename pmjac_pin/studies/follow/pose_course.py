@@ -19,7 +19,7 @@ from pmjac_pin.studies.follow.course import Course
 from pmjac_pin.studies.follow.given_path import path_of
 from pmjac_pin.studies.follow.pose_path import PosePath
 from pmjac_pin.studies.follow.tool_course import begun
-from pmjac_pin.studies.reach.driven_by_tool import DrivenByTool, driven_along
+from pmjac_pin.studies.reach.driven import Driven, driven_along
 from pmjac_pin.studies.reach.goal import ToolGoal, gaps_of, is_met, tool_at
 from pmjac_pin.studies.reach.targets import read_goals
 from pmjac_pin.studies.reach.task import Task
@@ -91,7 +91,7 @@ def pose_course(targets: PoseTargets, start: Configuration) -> tuple[Course, Con
     return Course.beginning_at(begin, path, mechanism), begin
 
 
-def _driven_along_path(targets: PoseTargets, places: Array, start: Configuration) -> DrivenByTool:
+def _driven_along_path(targets: PoseTargets, places: Array, start: Configuration) -> Driven:
     mechanism, first = targets.mechanism, targets.goals(float(places[0]))
     own = first[0].tool
     turned = [tool_at(mechanism, own, q)[1].rotation for q in (mechanism.home.q, start.q)]
@@ -107,7 +107,7 @@ class _ContinuousNumbers:
     """Motor values of the driven machine along a path, angles without jumps by full turns."""
 
     def __init__(
-        self, targets: PoseTargets, driven: DrivenByTool, start: Configuration, places: Array
+        self, targets: PoseTargets, driven: Driven, start: Configuration, places: Array
     ) -> None:
         self._targets, self._driven_along_path, self._start = targets, driven, start
         partition = driven.mechanism.problem.partition

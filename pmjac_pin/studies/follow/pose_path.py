@@ -14,7 +14,7 @@ import numpy as np
 import pinocchio as pin
 
 from pmjac_pin.errors import ArgumentError, quoted
-from pmjac_pin.studies.follow.given_path import ascending_times
+from pmjac_pin.studies.follow.given_path import ascending_times, waypoint_times
 from pmjac_pin.studies.reach.targets import given_pose
 from pmjac_pin.values.arrays import Array
 
@@ -63,11 +63,7 @@ def pose_path(path: Any, times: Any) -> PosePath:
     if not is_of_poses(path):
         raise ArgumentError(f"poses are wanted, pin.SE3 or 4x4 matrices, got {quoted(path)}")
     poses = [_pose(one, f"waypoint {k}") for k, one in enumerate(path)]
-    if len(poses) < 2:
-        raise ArgumentError(f"a path has two waypoints or more, got {len(poses)}")
-    given = np.arange(float(len(poses))) if given is None else given
-    if len(given) != len(poses):
-        raise ArgumentError(f"{len(poses)} waypoints and {len(given)} times do not fit")
+    given = waypoint_times(len(poses), given)
     return PosePath(_Waypoints(poses, given), given)
 
 

@@ -2,59 +2,28 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
-from pmjac_pin.closing.closed import Closed
 from pmjac_pin.closing.closure import is_singular
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import ClosureError
 from pmjac_pin.studies.follow.course import Course
-from pmjac_pin.studies.follow.motor_path import PathPiece
+from pmjac_pin.studies.follow.stretch import PathPose, Stretch
 from pmjac_pin.values.arrays import Array
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class PathPose:
-    """A closed pose at t, and dq/dt (nv,) there."""
-
-    t: float
-    point: Closed
-    velocity: Array
-
-    @property
-    def q(self) -> Array:
-        """Pinocchio's configuration vector."""
-        return self.point.q
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class CoveredStep:
+class CoveredStep(Stretch):
     """From one closed pose to another, with one closed pose in the tube between for each t."""
-
-    course: Course
-    piece: PathPiece
-    start: PathPose
-    end: PathPose
-    _known: dict[float, PathPose] = field(default_factory=dict)
 
     @property
     def width(self) -> float:
         """How long it is."""
         return self.end.t - self.start.t
 
-    def at(self, t: float) -> PathPose:
-        """Return the pose at a parameter of the step."""
-        if t <= self.start.t:
-            return self.start
-        if t >= self.end.t:
-            return self.end
-        if (known := self._known.get(t)) is None:
-            known = self._known[t] = self._closed_at(t)
-        return known
-
-    def _closed_at(self, t: float) -> PathPose:
+    def _between(self, t: float) -> PathPose:
         course, problem = self.course, self.course.problem
         way = problem.difference(self.start.q, self.end.q)
         motion = hermite((t - self.start.t) / self.width, way, *self.rates())

@@ -15,8 +15,7 @@ from pmjac_pin.model.limits import limit_error
 from pmjac_pin.studies.follow.course import Course
 from pmjac_pin.studies.follow.given_path import path_of
 from pmjac_pin.studies.follow.motor_path import MotorPath, PathPiece
-from pmjac_pin.studies.reach.driven import driven_by
-from pmjac_pin.studies.reach.driven_by_tool import DrivenByTool
+from pmjac_pin.studies.reach.driven import Driven, driven_by
 from pmjac_pin.studies.reach.goal import Goal
 from pmjac_pin.studies.reach.targets import read_goals
 from pmjac_pin.values.arrays import Array
@@ -60,22 +59,22 @@ class _ToolTargets:
     tool: str | Sequence[str] | None
     start: Configuration
 
-    def driven(self, values: Array) -> DrivenByTool:
+    def driven(self, values: Array) -> Driven:
         """Return the machine driven by its tool in these coordinates."""
         name, told = self.mechanism.name, ", ".join(self.coordinates)
         driven = driven_by(self.mechanism, self._goals(values))
-        if not isinstance(driven, DrivenByTool):
+        if driven is None:
             raise ArgumentError(f"{name}: {told} of the tool do not tell where the machine is")
         columns = driven.mechanism.problem.partition.actuated
         if driven.mechanism.coordinates.curved[columns].any():
             raise ArgumentError(f"{name}: a path of orientations is no path of numbers")
         return driven
 
-    def in_motors(self, driven: DrivenByTool, values: Array) -> Array:
+    def in_motors(self, driven: Driven, values: Array) -> Array:
         """Return the motor values of the driven machine at these coordinates."""
         return driven.values(self._goals(values), self.start)
 
-    def slopes(self, driven: DrivenByTool, values: Array) -> Array:
+    def slopes(self, driven: Driven, values: Array) -> Array:
         """Return what those change by with each coordinate: constants, (k, n)."""
         wraps = driven.mechanism.coordinates.wraps[driven.mechanism.problem.partition.actuated]
         here, found = self.in_motors(driven, values), []
@@ -115,7 +114,7 @@ def tool_course(
     return Course.beginning_at(begin, ways, mechanism), begin
 
 
-def begun(driven: DrivenByTool, values: Array, start: Configuration) -> Configuration:
+def begun(driven: Driven, values: Array, start: Configuration) -> Configuration:
     """Return the driven machine's pose at these values, reached straight from one of the machine.
 
     Raises

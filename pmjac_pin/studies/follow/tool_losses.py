@@ -21,8 +21,7 @@ from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.studies.follow.course import Course
 from pmjac_pin.studies.follow.crossings import IntervalEnds, located
 from pmjac_pin.studies.follow.event import Event
-from pmjac_pin.studies.follow.passage import Stretch
-from pmjac_pin.studies.follow.step import PathPose
+from pmjac_pin.studies.follow.stretch import PathPose, Stretch
 from pmjac_pin.values.arrays import Array
 
 _SIGN_TOLD = 0.5  # of u and of v at both ends: a sign is told

@@ -3,25 +3,21 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal, TypeAlias
+from typing import Any, Literal, TypeAlias
 
 import numpy as np
 
 from pmjac_pin.configuration import Configuration
-from pmjac_pin.errors import ArgumentError, MissingDependencyError, quoted
+from pmjac_pin.errors import ArgumentError, quoted
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.coordinates import entry_names
 from pmjac_pin.rates.second_order import following_rates
+from pmjac_pin.studies.datasets import Dataset, dataset
 from pmjac_pin.studies.evidence import Evidence
 from pmjac_pin.studies.follow.event import Event
 from pmjac_pin.studies.follow.homecoming import Homecoming
 from pmjac_pin.values.arrays import Array, ReadOnlyArrays, read_only
 from pmjac_pin.values.found_once import found_once
-
-if TYPE_CHECKING:
-    from xarray import Dataset
-else:
-    Dataset = Any
 
 PathStatus: TypeAlias = Literal[
     "end",
@@ -157,11 +153,6 @@ class Trajectory(ReadOnlyArrays):
         >>> found.v.dims, found.actuated.values[:, 0].round(3).tolist()
         (('t', 'joint'), [0.9, 1.1, 1.3, 1.5])
         """
-        try:
-            import xarray  # noqa: PLC0415 (heavy)
-        except ImportError as error:
-            message = f"to_xarray needs xarray: pip install 'pmjac_pin[sweep]' ({error})"
-            raise MissingDependencyError(message) from error
         mechanism, partition = self.mechanism, self.mechanism.problem.partition
         joints = list(partition.columns.values())
         variables: dict[str, Any] = {
@@ -188,7 +179,7 @@ class Trajectory(ReadOnlyArrays):
             "evidence": str(self.evidence),
             "events": [repr(event) for event in self.events],
         }
-        return xarray.Dataset(variables, coords=labels, attrs=told)
+        return dataset(variables, labels, told)
 
     def _values(self, columns: Any) -> Array:
         return read_only(self.mechanism.coordinates.values_of(self.q, columns))

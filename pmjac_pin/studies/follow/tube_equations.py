@@ -13,7 +13,7 @@ from pmjac_pin.kinematics.joint_steps import entry_rates
 from pmjac_pin.kinematics.tree import Tree
 from pmjac_pin.studies.follow.course import Course
 from pmjac_pin.studies.follow.motor_path import PathPiece
-from pmjac_pin.studies.follow.step import PathPose
+from pmjac_pin.studies.follow.stretch import PathPose
 from pmjac_pin.studies.series_equations import EquationsAlong, SeriesEquations
 from pmjac_pin.studies.transmissions.sheet import Sheet
 from pmjac_pin.studies.transmissions.sheet_equations import Pieces, series_over

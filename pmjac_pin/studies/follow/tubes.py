@@ -19,7 +19,8 @@ from pmjac_pin.errors import ArgumentError, ClosureError
 from pmjac_pin.rates.partition import independent_rows
 from pmjac_pin.studies.evidence import Evidence
 from pmjac_pin.studies.follow.course import Course
-from pmjac_pin.studies.follow.step import CoveredStep, PathPose
+from pmjac_pin.studies.follow.step import CoveredStep
+from pmjac_pin.studies.follow.stretch import PathPose
 from pmjac_pin.studies.follow.tube_equations import TubeEquations
 from pmjac_pin.studies.series_proof import SeriesProof
 from pmjac_pin.studies.transmissions.sheet_equations import Pieces

@@ -13,7 +13,7 @@ from pmjac_pin.errors import ArgumentError, quoted
 from pmjac_pin.studies.follow.course import Course
 from pmjac_pin.studies.follow.crossings import located
 from pmjac_pin.studies.follow.event import Event
-from pmjac_pin.studies.follow.passage import Stretch
+from pmjac_pin.studies.follow.stretch import Stretch
 from pmjac_pin.values.checks import as_number, check_callable
 
 _LOOKS_A_STEP = 4  # of a step

@@ -14,7 +14,8 @@ from pmjac_pin.closing.closure import (
 )
 from pmjac_pin.studies.follow.course import Course
 from pmjac_pin.studies.follow.motor_path import PathPiece
-from pmjac_pin.studies.follow.step import CoveredStep, PathPose
+from pmjac_pin.studies.follow.step import CoveredStep
+from pmjac_pin.studies.follow.stretch import PathPose
 from pmjac_pin.values.arrays import Array
 
 _LEAST_STRIDE = 1e-15  # of a parameter

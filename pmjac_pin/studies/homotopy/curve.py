@@ -187,12 +187,18 @@ class _Stretch:
         return self.start.moved(self.share + part * self.length, self.pull)
 
 
+def place_of(point: Complex, points: Complex) -> int | None:
+    """Return which of some points (m, n) is this one, None where none is."""
+    gap = np.linalg.norm(points - point, axis=1)
+    same = gap.min(initial=np.inf) <= SAME * (1.0 + np.linalg.norm(point))
+    return int(np.argmin(gap)) if same else None
+
+
 def distinct(points: Complex, known: Complex) -> Complex:
     """Return the known points and those of `points` that are not among them."""
     kept = list(known)
     for point in points:
-        scale = SAME * (1.0 + np.linalg.norm(point))
-        if not kept or np.linalg.norm(np.array(kept) - point, axis=1).min() > scale:
+        if place_of(point, np.array(kept).reshape(-1, len(point))) is None:
             kept.append(point)
     return np.array(kept).reshape(len(kept), points.shape[1])
 

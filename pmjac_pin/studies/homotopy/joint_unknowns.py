@@ -97,10 +97,12 @@ class JointUnknowns:
             angle = entries[:, self.slides :]
             entries = np.hstack([entries[:, : self.slides], np.cos(angle), np.sin(angle)])
         if self.floating:
-            place = np.hstack([entries[:, :3] / self.length, np.zeros((len(q), 1))])
-            return np.hstack(
-                [_products_of_quaternions(place, entries[:, 3:]), entries[:, 3:]]
-            ).astype(complex)
+            place, e = (
+                np.hstack([entries[:, :3] / self.length, np.zeros((len(q), 1))]),
+                entries[:, 3:],
+            )
+            g = _times_conjugate([*place.T], [*(e * [-1.0, -1.0, -1.0, 1.0]).T])
+            return np.column_stack([*g, e]).astype(complex)
         entries[:, : self.slides] /= self.length
         return entries.astype(complex)
 
@@ -182,14 +184,6 @@ def _floats(kind: JointKind) -> bool:
 def _variables(kind: JointKind) -> int:
     """Return how many variables a joint has."""
     return 8 if _floats(kind) else kind.slides + {0: 0, 1: 2, 3: 4}[kind.turns]
-
-
-def _products_of_quaternions(g: Array, e: Array) -> Array:
-    """Return the products of quaternions (b, 4), x, y, z, w."""
-    v, w = e[:, :3], e[:, 3:]
-    imaginary = g[:, 3:] * v + g[:, :3] * w + np.cross(g[:, :3], v)
-    real = g[:, 3:] * w - (g[:, :3] * v).sum(axis=1, keepdims=True)
-    return np.hstack([imaginary, real])
 
 
 def _times_conjugate(g: Sequence[Numbers], e: Sequence[Numbers]) -> list[Numbers]:

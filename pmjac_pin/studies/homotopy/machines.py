@@ -7,7 +7,6 @@ machines is p(t) = p₀ + t p₁, γ(t) = γ₀ + t γ₁.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from flint import acb
@@ -18,13 +17,9 @@ from pmjac_pin.errors import ArgumentError
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.studies.homotopy.curve_kernel import CurveInLanes, curve_kernel
 from pmjac_pin.studies.homotopy.polynomial_loops import PolynomialLoops
-from pmjac_pin.studies.modes.legs import Leg, names_of
-from pmjac_pin.studies.modes.search_problem import SearchProblem, search_problem, with_legs
+from pmjac_pin.studies.modes.legs import names_of
+from pmjac_pin.studies.modes.search_problem import SearchProblem, home_with, search_problem
 from pmjac_pin.values.arrays import Array, Complex
-
-if TYPE_CHECKING:
-    from pmjac_pin.mechanism import Mechanism
-
 
 _SPREAD = 0.5  # of random machines about a given one, relative
 
@@ -99,44 +94,45 @@ class Machines:
 
     def __init__(self, mechanism: Mechanism) -> None:
         self.mechanism = mechanism
-        problem, self._legs = search_problem(mechanism, mechanism.home.q)
+        problem = search_problem(mechanism, mechanism.home.q)
         _refuse_over_actuated(mechanism)
         # The legs' rods come last; those without a motor keep their length.
-        plain, motors = len(problem.closures) - len(self._legs), mechanism.spec.actuated
-        self._driven = [
-            index
-            for index, leg in enumerate(self._legs)
-            if any(edge.name in motors for edge in leg.edges)
-        ]
+        plain, motors = len(problem.closures) - len(problem.legs), mechanism.spec.actuated
+        self._names, self._driven = (
+            names_of(problem.legs),
+            [
+                index
+                for index, leg in enumerate(problem.legs)
+                if any(edge.name in motors for edge in leg.edges)
+            ],
+        )
         self.loops = PolynomialLoops(problem, [plain + index for index in self._driven])
-        self.home = self._machine(problem, self._legs)
+        self.home = self._machine(problem)
 
     def at(self, actuated: MotorValues) -> tuple[Machine, ClosedForm]:
         """Return the machine with these motor values, and the way back from its unknowns."""
         mechanism = self.mechanism
         values = motor_values(mechanism.spec, mechanism.coordinates, actuated)
-        columns = mechanism.problem.partition.actuated
-        base = mechanism.coordinates.with_values(mechanism.home.q, columns, values)
-        problem, legs = search_problem(mechanism, base)
-        if names_of(legs) != names_of(self._legs):
+        problem = search_problem(mechanism, home_with(mechanism, values))
+        if names_of(problem.legs) != self._names:
             name, given = mechanism.name, ", ".join(f"{value:g}" for value in values)
             raise ArgumentError(f"{name}: at {given} its legs are not those of its home pose")
-        squares = [acb(square) for square in self._squares(problem, legs)]
+        squares = [acb(square) for square in self._squares(problem)]
         driven = np.concatenate([self.loops.driven_balls(problem.base), squares])
-        return self._machine(problem, legs), ClosedForm(self, problem, legs, base, driven)
+        return self._machine(problem), ClosedForm(self.loops, problem, driven)
 
     def offset(self, machine: Machine, x: Complex) -> Machine:
         """Return the machine with these motors whose loops are shut, with offsets, at x."""
         return Machine(machine.p, self.loops.gaps(x, machine.p))
 
-    def _machine(self, problem: SearchProblem, legs: list[Leg]) -> Machine:
+    def _machine(self, problem: SearchProblem) -> Machine:
         motors = self.loops.motor_parameters(problem.base)
-        rods = np.array(self._squares(problem, legs), dtype=complex)
+        rods = np.array(self._squares(problem), dtype=complex)
         return Machine(np.concatenate([motors, rods]), np.zeros(self.loops.rows, dtype=complex))
 
-    def _squares(self, problem: SearchProblem, legs: list[Leg]) -> list[float]:
+    def _squares(self, problem: SearchProblem) -> list[float]:
         """Return the squares of the lengths of the legs that have motors."""
-        return [(legs[index].length / problem.length) ** 2 for index in self._driven]
+        return [(problem.legs[index].length / problem.length) ** 2 for index in self._driven]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -146,17 +142,13 @@ class ClosedForm:
     `driven` are the polynomials' variables that follow from these, as balls.
     """
 
-    machines: Machines
+    loops: PolynomialLoops
     problem: SearchProblem
-    legs: list[Leg]
-    base: Array
     driven: Numbers
 
     def poses(self, x: Array) -> list[Array]:
         """Return the q of each row of x."""
-        rows = self.machines.loops.poses(x, self.problem.base)
-        mechanism = self.machines.mechanism
-        return [with_legs(mechanism, self.legs, self.problem, self.base, q) for q in rows]
+        return [self.problem.with_legs(q) for q in self.loops.poses(x, self.problem.base)]
 
 
 def _refuse_over_actuated(mechanism: Mechanism) -> None:

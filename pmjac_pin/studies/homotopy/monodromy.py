@@ -13,14 +13,14 @@ References
 from __future__ import annotations
 
 import logging
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from pmjac_pin.errors import ArgumentError, quoted
-from pmjac_pin.studies.homotopy.curve import SAME, Curve, Planes, distinct
+from pmjac_pin.studies.homotopy.curve import Curve, Planes, distinct, place_of
 from pmjac_pin.values.arrays import Complex, Index
 
 _log = logging.getLogger(__name__)
@@ -113,10 +113,8 @@ class PlaneSection:
         points = distinct(moved, self.points)
         links = [self.links]
         for point, first in zip(moved, origin, strict=True):
-            gap = np.linalg.norm(points - point, axis=1)
-            nearest = int(np.argmin(gap))
-            if gap[nearest] <= SAME * (1.0 + np.linalg.norm(point)):
-                links.append(np.array([[first, nearest]]))
+            if (place := place_of(point, points)) is not None:
+                links.append(np.array([[first, place]]))
         return PlaneSection(
             self.curve, self.normal, self.offset, points, np.unique(np.vstack(links), axis=0)
         )
@@ -126,22 +124,37 @@ def all_points(
     curve: Curve, point: Complex, rng: np.random.Generator, most_rounds: int
 ) -> tuple[PlaneSection, float]:
     """Return all points of an irreducible curve in a plane through one, and the trace's bend."""
-    section, bend = PlaneSection.through(curve, point, rng), np.inf
+
+    def one_set(section: PlaneSection) -> Index:
+        return np.zeros(len(section.points), dtype=np.intp)
+
+    first = PlaneSection.through(curve, point, rng)
+    section, _, bends = grown_whole(first, one_set, rng, most_rounds)
+    return section, bends[0]
+
+
+def grown_whole(
+    section: PlaneSection,
+    sets: Callable[[PlaneSection], Index],
+    rng: np.random.Generator,
+    most_rounds: int,
+) -> tuple[PlaneSection, Index, list[float]]:
+    """Return a section that grows until its sets stay and their traces are straight.
+
+    With it for each point the number of its set, and of each set the trace's bend.
+    """
+    labels = sets(section)
+    bends = [np.inf] * len(labels)
     for _ in range(most_rounds):
-        before = len(section.points)
+        before = len(section.points), labels.max(initial=0)
         section = section.grown(rng)
+        labels = sets(section)
         _log.info("monodromy: %d points", len(section.points))
-        if len(section.points) == before:
-            bend = section.bends(np.zeros(before, dtype=np.intp), random_turn(rng))[0]
-            if bend < STRAIGHT:
+        if (len(section.points), labels.max(initial=0)) == before:
+            bends = section.bends(labels, random_turn(rng))
+            if max(bends) < STRAIGHT:
                 break
-    return section, bend
-
-
-def check_rounds(most_rounds: int) -> None:
-    """Raise ArgumentError unless that is a number of rounds."""
-    if not isinstance(most_rounds, int) or most_rounds < 1:
-        raise ArgumentError(f"most_rounds is a whole number ≥ 1, got {quoted(most_rounds)}")
+    return section, labels, bends
 
 
 def random_turn(rng: np.random.Generator) -> complex:

@@ -14,7 +14,6 @@ References
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.sparse import coo_array
@@ -22,14 +21,12 @@ from scipy.sparse.csgraph import connected_components
 
 from pmjac_pin.errors import ArgumentError
 from pmjac_pin.studies.evidence import Evidence
-from pmjac_pin.studies.homotopy.curve import SAME, Curve, Planes
+from pmjac_pin.studies.homotopy.complex_modes import ComplexModes
+from pmjac_pin.studies.homotopy.curve import Curve, Planes, place_of
 from pmjac_pin.studies.homotopy.machines import Line, Machine
-from pmjac_pin.studies.homotopy.monodromy import STRAIGHT, PlaneSection, random_turn
+from pmjac_pin.studies.homotopy.monodromy import STRAIGHT, PlaneSection, grown_whole
 from pmjac_pin.studies.homotopy.polynomial_loops import PolynomialLoops
 from pmjac_pin.values.arrays import Complex, Index
-
-if TYPE_CHECKING:
-    from pmjac_pin.studies.homotopy.complex_modes import ComplexModes
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,16 +83,7 @@ def find_operation_modes(
     here = Planes.at_machine(0.0, loops.count, len(both))
     points = np.hstack([both, np.zeros((len(both), 1))])
     section, places = _led_into(curve, points, here, rng)
-    labels = section.components()
-    bends = [np.inf] * len(labels)
-    for _ in range(most_rounds):
-        before = len(section.points), labels.max(initial=0)
-        section = section.grown(rng)
-        labels = section.components()
-        if (len(section.points), labels.max(initial=0)) == before:
-            bends = section.bends(labels, random_turn(rng))
-            if max(bends) < STRAIGHT:
-                break
+    section, labels, bends = grown_whole(section, PlaneSection.components, rng, most_rounds)
     return _sorted(owner, places, labels, bends, len(solutions))
 
 
@@ -108,9 +96,8 @@ def _led_into(
     section = section.with_points(moved[arrived])
     places = np.full(len(points), -1)
     for index in np.flatnonzero(arrived):
-        gap = np.linalg.norm(section.points - moved[index], axis=1)
-        if gap.min() <= SAME * (1.0 + np.linalg.norm(moved[index])):
-            places[index] = int(np.argmin(gap))
+        if (place := place_of(moved[index], section.points)) is not None:
+            places[index] = place
     return section, places
 
 

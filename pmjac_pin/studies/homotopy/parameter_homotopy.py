@@ -31,7 +31,6 @@ from pmjac_pin.studies.homotopy.monodromy import (
     STRAIGHT,
     PlaneSection,
     all_points,
-    check_rounds,
     random_turn,
 )
 from pmjac_pin.studies.homotopy.operation_modes import OperationModes, find_operation_modes
@@ -40,7 +39,7 @@ from pmjac_pin.studies.homotopy.solving import near, solutions_of
 from pmjac_pin.studies.modes.closed_pose import closed_pose, generator, order
 from pmjac_pin.studies.modes.recognition import Recognition
 from pmjac_pin.values.arrays import Array, Complex, Index, read_only
-from pmjac_pin.values.checks import check_kind
+from pmjac_pin.values.checks import as_count, check_kind
 
 _SINGULAR = 1e-4  # smallest relative singular value of K* beside which home is not asked for
 _TRIES = 4  # of ways to lead all points to one machine
@@ -178,7 +177,7 @@ class ParameterHomotopy:
         >>> pj.parameter_homotopy(pj.load("four_bar"), rng=0).operation_modes().sizes
         (2,)
         """
-        check_rounds(most_rounds)
+        most_rounds = as_count(most_rounds, "most_rounds")
         found = find_operation_modes(
             self._machines.loops, self._machine, self._solutions, generator(rng), most_rounds
         )
@@ -261,7 +260,7 @@ def parameter_homotopy(
     (2, 4)
     """
     check_kind(mechanism, Mechanism)
-    check_rounds(most_rounds)
+    most_rounds = as_count(most_rounds, "most_rounds")
     machines, random = Machines(mechanism), generator(rng)
     loops = machines.loops
     target = machines.home.near(random)

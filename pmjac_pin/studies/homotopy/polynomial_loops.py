@@ -63,7 +63,7 @@ class PolynomialLoops:
 
     def __init__(self, problem: SearchProblem, rods: Sequence[int]) -> None:
         self.length = problem.length
-        self.tolerance = problem.tolerance / problem.length
+        self.tolerance = problem.mechanism.problem.tolerance / problem.length
         edges, passive = edges_of(problem.model), [edge.name for _, edge in problem.passive]
         self._joints = joint_unknowns(problem.model, edges, passive, problem.length)
         self._motors = [joint for joint in self._joints if joint.motor]
@@ -247,7 +247,7 @@ class PolynomialLoops:
             if isinstance(loop, JointLoop):
                 why = "geared joints are no polynomials in their cosines and sines"
                 raise ArgumentError(f"{problem.model.name}: no homotopy for this mechanism: {why}")
-            pair = pair_of(problem.model, polynomials.tree, loop, problem.values)
+            pair = pair_of(problem.model, polynomials.tree, loop, problem.mechanism.parameters)
             place = lengths.get(index)
             square = None if place is None else variables[place : place + 1, None]
             more, over = polynomials.of(pair, square)

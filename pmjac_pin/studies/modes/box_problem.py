@@ -6,7 +6,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import pinocchio as pin
 
 from pmjac_pin.algebra.intervals import Intervals
 from pmjac_pin.kinematics.loops import pair_of
@@ -189,9 +188,7 @@ def start(mechanism: Mechanism, problem: BoxProblem, q: Array, values: Array) ->
     """Return q with the unknowns at these values, and floating bodies where they are held."""
     columns = mechanism.coordinates.columns(problem.names)
     q = mechanism.coordinates.with_values(q, columns, values)
-    model = mechanism.kinematics.model
-    data = model.createData()
-    pin.forwardKinematics(model, data, q)
+    model, data = mechanism.kinematics.model, mechanism.kinematics.placed(q)
     for floating in problem.floating:
         edge = floating.edge
         frames = [data.oMi[hold.other.joint] * hold.other.placement for hold in floating.holds]

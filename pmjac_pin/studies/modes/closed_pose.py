@@ -2,20 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from pmjac_pin.closing.closure import polished
-from pmjac_pin.closing.damped_closure import assemble
-from pmjac_pin.closing.pose_assembly import motor_weights
+from pmjac_pin.closing.damped_closure import assemble, motor_weights
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import ArgumentError, quoted
+from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.studies.modes.gear_trains import gear_trains, unwound
 from pmjac_pin.values.arrays import Array
-
-if TYPE_CHECKING:
-    from pmjac_pin.mechanism import Mechanism
 
 
 def closed_pose(mechanism: Mechanism, q: Array, limits: bool) -> Configuration | None:

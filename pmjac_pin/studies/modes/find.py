@@ -26,7 +26,7 @@ from pmjac_pin.studies.modes.proof import prove
 from pmjac_pin.studies.modes.random_search import RandomSearch
 from pmjac_pin.studies.modes.recognition import Recognition
 from pmjac_pin.studies.modes.same_machine import same_machines
-from pmjac_pin.studies.modes.search_problem import search_problem, with_legs
+from pmjac_pin.studies.modes.search_problem import home_with, search_problem
 from pmjac_pin.studies.modes.settling import Census, HomotopyCensus, ProofCensus, missing, settled
 from pmjac_pin.studies.modes.starts import StartSpace
 from pmjac_pin.values.arrays import Array
@@ -118,9 +118,7 @@ def find_modes(
     values = motor_values(mechanism.spec, mechanism.coordinates, actuated)
     if limits:
         check_limits(mechanism, values)
-    columns = mechanism.problem.partition.actuated
-    base = mechanism.coordinates.with_values(mechanism.home.q, columns, values)
-    problem, legs = search_problem(mechanism, base)
+    problem = search_problem(mechanism, home_with(mechanism, values))
     search = RandomSearch(problem, StartSpace.of(problem, limits), rng)
     search.run(_FIRST_STARTS)
     if not search.raised:
@@ -129,7 +127,7 @@ def find_modes(
 
     def judged() -> tuple[list[Array], _Judged]:
         modes = search.modes()
-        rows = [with_legs(mechanism, legs, problem, base, q) for q, _ in modes]
+        rows = [problem.with_legs(q) for q, _ in modes]
         closed = _closed_rows(mechanism, rows, [share for _, share in modes], limits)
         return rows, _with_census(mechanism, closed, censuses, limits)
 
@@ -137,7 +135,7 @@ def find_modes(
     if evidence is None:
         search.until(aim)
         rows, (found, evidence, lost) = judged()
-    near = (with_legs(mechanism, legs, problem, base, q) for q in search.near.q)
+    near = (problem.with_legs(q) for q in search.near.q)
     told = evidence is not None and lost
     gaps = [] if told else rounded_gaps(mechanism, chain(rows, lost, near))
     if evidence is None:

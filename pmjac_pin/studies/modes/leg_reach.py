@@ -45,9 +45,7 @@ def reached(mechanism: Mechanism, leg: Leg, q: Array) -> Array:
 
 def _leg_ends(mechanism: Mechanism, leg: Leg, q: Array) -> tuple[pin.Data, Array, Array, Array]:
     """Return the kinematics at q, and centre, end and target of a leg in the world."""
-    model = mechanism.kinematics.model
-    data = model.createData()
-    pin.forwardKinematics(model, data, q)
+    model, data = mechanism.kinematics.model, mechanism.kinematics.placed(q)
 
     def point(frame: Frame) -> Array:
         return np.asarray(data.oMi[frame.joint].act(frame.placement.translation))

@@ -9,6 +9,7 @@ less.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -53,9 +54,7 @@ class Leg:
 
 def find_legs(mechanism: Mechanism, q: Array) -> list[Leg]:
     """Return the mechanism's legs, with the motors as in q."""
-    model = mechanism.kinematics.model
-    data = model.createData()
-    pin.forwardKinematics(model, data, q)
+    model, data = mechanism.kinematics.model, mechanism.kinematics.placed(q)
     joints = {edge.child: edge for edge in edges_of(model).values()}
     lonely = _lonely_bodies(mechanism, joints)
     legs = []
@@ -138,6 +137,6 @@ def _leg(
     return (stand.actInv(centre), reach) if reach > _SQUARE * length else None
 
 
-def names_of(legs: list[Leg]) -> list[str]:
+def names_of(legs: Iterable[Leg]) -> list[str]:
     """Return the names of all joints in legs."""
     return [edge.name for leg in legs for edge in leg.edges]

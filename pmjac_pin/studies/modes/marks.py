@@ -27,10 +27,11 @@ def marks(problem: SearchProblem) -> list[Mark]:
 
 
 def _tool(problem: SearchProblem) -> Iterator[Mark]:
-    for name in problem.tool.names:
+    tool = problem.mechanism.spec.tool
+    for name in tool.names:
         frame = find_frame(problem.model, name)
         yield partial(_point, frame, problem.length)
-        if not problem.tool.points:
+        if not tool.points:
             yield partial(_marked_axes, frame)
 
 
@@ -51,10 +52,15 @@ def _joints(problem: SearchProblem) -> Iterator[Mark]:
 
     Motors and geared joints have a sense, which counts.
     """
+    # Axes of motors have a sense, and those of what is geared.
+    geared = (
+        name for loop in problem.closures if isinstance(loop, JointLoop) for name in loop.ends
+    )
+    sensed = {*problem.mechanism.spec.actuated, *geared}
     for joint in list(problem.model.joints)[1:]:
         columns = slice(joint.idx_v, joint.idx_v + joint.nv)
-        sensed = problem.model.names[joint.id] in problem.sensed
-        yield partial(_screws if sensed else _motions, columns, problem.length)
+        screws = problem.model.names[joint.id] in sensed
+        yield partial(_screws if screws else _motions, columns, problem.length)
 
 
 def _point(frame: Frame, length: float, poses: WorldPoses) -> Array:

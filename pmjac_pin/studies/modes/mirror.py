@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-import pinocchio as pin
 
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.mechanism import Mechanism
-from pmjac_pin.model.frames import find_frame
+from pmjac_pin.model.frames import Frame, find_frame
 from pmjac_pin.model.loop_spec import JointLoop
 from pmjac_pin.rates.factorisation import factorise
 from pmjac_pin.values.arrays import Array
@@ -48,14 +47,14 @@ def _base_points(mechanism: Mechanism) -> Array:
         for joint in range(1, model.njoints)
         if model.parents[joint] == 0 and model.joints[joint].nv == 1
     ]
-    anchors = [
-        frame.placement.translation
-        for loop in mechanism.spec.loops
-        if not isinstance(loop, JointLoop)
-        for frame in (find_frame(model, name) for name in loop.frames)
-        if frame.joint == 0
-    ]
+    anchors = [one.placement.translation for one in _anchors(mechanism) if one.joint == 0]
     return np.array([*roots, *anchors]).reshape(-1, 3)
+
+
+def _anchors(mechanism: Mechanism) -> list[Frame]:
+    """Return the frames that loops join."""
+    loops = (loop for loop in mechanism.spec.loops if not isinstance(loop, JointLoop))
+    return [find_frame(mechanism.kinematics.model, name) for loop in loops for name in loop.frames]
 
 
 def _plane(points: Array, length: float) -> tuple[Array, Array] | None:
@@ -69,15 +68,7 @@ def _plane(points: Array, length: float) -> tuple[Array, Array] | None:
 
 def _mirrored_points(mechanism: Mechanism, mode: Configuration) -> Array:
     """Return the tool's origin and all loop anchors, shape (k, 3)."""
-    model = mechanism.kinematics.model
-    data = model.createData()
-    pin.forwardKinematics(model, data, mode.q)
-    frames = [
-        find_frame(model, name)
-        for loop in mechanism.spec.loops
-        if not isinstance(loop, JointLoop)
-        for name in loop.frames
-    ]
-    anchors = [data.oMi[frame.joint].act(frame.placement.translation) for frame in frames]
+    placed = mechanism.kinematics.placed(mode.q).oMi
+    anchors = [placed[one.joint].act(one.placement.translation) for one in _anchors(mechanism)]
     tool = [] if mechanism.spec.tool.is_none else [mode.tool_pose().translation]
     return np.array([*tool, *anchors]).reshape(-1, 3)

@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
+from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.studies.assembled_poses import assembled_poses
 from pmjac_pin.studies.modes.assembly_modes import AssemblyModes
 from pmjac_pin.studies.modes.recognition import Recognition
-
-if TYPE_CHECKING:
-    from pmjac_pin.mechanism import Mechanism
 
 
 def pose_names(mechanism: Mechanism, modes: AssemblyModes) -> tuple[tuple[str, ...], ...]:

@@ -3,18 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING
 
 from pmjac_pin.closing.closed import closed_point
-from pmjac_pin.closing.damped_closure import assemble
+from pmjac_pin.closing.damped_closure import assemble, motor_weights
 from pmjac_pin.closing.held_motors import is_rounding
-from pmjac_pin.closing.pose_assembly import motor_weights
+from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.rounded_numbers import wider_tolerance
 from pmjac_pin.studies.evidence import Evidence
 from pmjac_pin.values.arrays import Array, norm
-
-if TYPE_CHECKING:
-    from pmjac_pin.mechanism import Mechanism
 
 _MOST_POSES = 16  # poses that are looked at
 _LEAST_GAIN = 1e-2  # of a gap: what K* could take off it to first order, where it is least

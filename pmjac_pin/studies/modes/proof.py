@@ -21,6 +21,7 @@ from pmjac_pin.studies.modes.box_domain import NoBoxesError
 from pmjac_pin.studies.modes.box_problem import BoxProblem, box_problem, given_values, start
 from pmjac_pin.studies.modes.branch_and_prune import Budget, branch_and_prune
 from pmjac_pin.studies.modes.enclosed_modes import Enclosure, enclose
+from pmjac_pin.studies.modes.search_problem import home_with
 from pmjac_pin.studies.modes.touching import moved_near, together
 from pmjac_pin.values.arrays import Array
 from pmjac_pin.values.checks import as_flag, as_numbers, check_kind
@@ -158,7 +159,7 @@ def prove(
         enclosures, unsettled, failed = _enclosed(problem, pruned.small)
     if len(pruned.unfinished.lower):
         failed = f"{len(pruned.unfinished.lower)} boxes were not looked at within the budget"
-    base = _home_with(mechanism, values)
+    base = home_with(mechanism, values)
     rows = [start(mechanism, problem, base, one.mode.middle) for one in enclosures]
     return Proof(
         names=problem.names,
@@ -175,15 +176,9 @@ def prove(
 def _open_chain(mechanism: Mechanism, values: Array) -> Proof:
     """Return the proof that motors alone leave one pose, their own."""
     none, no_joint = Intervals.exact(np.zeros((0, 0))), Intervals.exact(np.zeros(0))
-    q = _home_with(mechanism, values)
+    q = home_with(mechanism, values)
     only = Enclosure(no_joint, no_joint, (), 0.0)
     return Proof((), (only,), none, "", 0, 0.0, q[None], np.zeros(0, dtype=bool))
-
-
-def _home_with(mechanism: Mechanism, values: Array) -> Array:
-    """Return the home pose with the motors at these values."""
-    columns = mechanism.problem.partition.actuated
-    return mechanism.coordinates.with_values(mechanism.home.q, columns, values)
 
 
 def _no_proof(mechanism: Mechanism, failed: str) -> Proof:

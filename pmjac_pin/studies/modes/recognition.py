@@ -9,7 +9,7 @@ import numpy as np
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.studies.modes.assembly_modes import AssemblyModes
 from pmjac_pin.studies.modes.distinct import Signatures
-from pmjac_pin.studies.modes.search_problem import search_problem, without_legs
+from pmjac_pin.studies.modes.search_problem import search_problem
 from pmjac_pin.values.arrays import Array
 
 SAME_MOTORS = 1e-9
@@ -33,8 +33,7 @@ class Recognition:
         self._modes = modes
         if len(modes) == 0:
             return
-        self._mechanism = modes[0].mechanism
-        self._problem, _ = search_problem(self._mechanism, modes[0].q)
+        self._problem = search_problem(modes[0].mechanism, modes[0].q)
         rows = np.array([self._row(mode) for mode in modes])
         self._signatures = Signatures.of(self._problem, rows)
         self._known = self._signatures(rows)
@@ -51,4 +50,4 @@ class Recognition:
         return self._numbers[int(same[0])] if same.size else None
 
     def _row(self, configuration: Configuration) -> Array:
-        return without_legs(self._mechanism, self._problem, configuration.q)
+        return self._problem.without_legs(configuration.q)

@@ -18,7 +18,7 @@ from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.studies.modes.drawings import Drawings
 from pmjac_pin.studies.modes.idling import Idling
 from pmjac_pin.studies.modes.marks import marks
-from pmjac_pin.studies.modes.search_problem import search_problem, without_legs
+from pmjac_pin.studies.modes.search_problem import search_problem
 from pmjac_pin.values.arrays import Array
 
 
@@ -50,9 +50,9 @@ def _all_looks(mechanism: Mechanism, found: Sequence[Configuration]) -> list[lis
 
     From any body of a group: which of them is not turned over, is not known.
     """
-    problem, _ = search_problem(mechanism, found[0].q)
-    rows = np.array([without_legs(mechanism, problem, one.q) for one in found])
-    home = problem.tree.poses(without_legs(mechanism, problem, mechanism.home.q)[None])
+    problem = search_problem(mechanism, found[0].q)
+    rows = np.array([problem.without_legs(one.q) for one in found])
+    home = problem.tree.poses(problem.without_legs(mechanism.home.q)[None])
     idling = Idling.of(problem, rows)
     drawings, marked = Drawings(mechanism, problem.model, problem.length), marks(problem)
     poses = problem.tree.poses(rows)

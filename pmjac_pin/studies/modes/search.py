@@ -118,7 +118,7 @@ class ManyClosures:
         patience = Patience(
             steps=_STEPS_OF_A_START,
             enough=_CLOSED * self.problem.length,
-            tolerance=self.problem.tolerance if redundant else 0.0,
+            tolerance=self.problem.mechanism.problem.tolerance if redundant else 0.0,
             damping=1e-2,
             least=1e-9,
             most=_STUCK,

@@ -5,7 +5,7 @@ Where the mechanism has legs, they are rods here and their joints are found afte
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -17,8 +17,7 @@ from pmjac_pin.kinematics.many import ManyLoops, ManyPoses
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.coordinates import JointCoordinates
 from pmjac_pin.model.linkage import Edge, build, edges_of
-from pmjac_pin.model.loop_spec import DistanceLoop, JointLoop, Loop
-from pmjac_pin.model.tool_spec import Tool
+from pmjac_pin.model.loop_spec import DistanceLoop, Loop
 from pmjac_pin.rates.partition import Partition
 from pmjac_pin.studies.modes.leg_reach import reached
 from pmjac_pin.studies.modes.legs import Leg, find_legs, names_of
@@ -31,38 +30,35 @@ class SearchProblem:
 
     Attributes
     ----------
+    mechanism : Mechanism
+    whole : ndarray, shape (nq,)
+        Its home pose, with the motors at their values.
+    legs : tuple of Leg
+        Those that rods stand for.
     model : pin.Model
-    base : ndarray, shape (nq,)
-        The home pose, with the motors at their values.
+        Without them.
+    base : ndarray
+        The same pose of it.
     tree : ManyPoses
     loops : ManyLoops
     closures : tuple of Loop
-        What `loops` are made of.
-    values : mapping of str to float
-        The parameters' values.
+        What `loops` are made of: the legs' rods come last.
     passive : tuple of (slice, Edge)
         Each unknown joint's entries in q.
     partition : Partition
         The mechanism's, or with rods in place of the legs.
-    tolerance : float
-        The gap in m that counts as closed.
-    tool : Tool
-        Its frames are in `model`.
-    sensed : frozenset of str
-        The joints whose axes have a sense: motors, and what is geared.
     """
 
+    mechanism: Mechanism
+    whole: Array
+    legs: tuple[Leg, ...]
     model: pin.Model
     base: Array
     tree: ManyPoses
     loops: ManyLoops
     closures: tuple[Loop, ...]
-    values: Mapping[str, float]
     passive: tuple[tuple[slice, Edge], ...]
     partition: Partition
-    tolerance: float
-    tool: Tool
-    sensed: frozenset[str]
 
     @property
     def length(self) -> float:
@@ -74,35 +70,58 @@ class SearchProblem:
         """How many degrees of freedom idle at every pose."""
         return self.partition.passive.size - self.partition.passive_rank
 
+    def with_legs(self, q: Array) -> Array:
+        """Return the whole mechanism's q for one of the problem's, its legs reaching their ends."""
+        if not self.legs:
+            return q
+        whole = _copied(self.model, q, self.mechanism.kinematics.model, self.whole)
+        for leg in self.legs:
+            whole = reached(self.mechanism, leg, whole)
+        return whole
 
-def search_problem(mechanism: Mechanism, base: Array) -> tuple[SearchProblem, list[Leg]]:
-    """Return the problem of a mechanism with its motors as in `base`, and the legs left out."""
-    legs = find_legs(mechanism, base)
-    if legs:
-        return _without(mechanism, legs, base), legs
+    def without_legs(self, q: Array) -> Array:
+        """Return the problem's q for one of the whole mechanism's."""
+        return _copied(self.mechanism.kinematics.model, q, self.model, self.base)
+
+
+def search_problem(mechanism: Mechanism, base: Array) -> SearchProblem:
+    """Return the problem of a mechanism with its motors as in `base`."""
+    legs, own = tuple(find_legs(mechanism, base)), base
     model, loops = mechanism.kinematics.model, mechanism.spec.loops
-    return _bounded_problem(mechanism, model, loops, mechanism.problem.partition, base), legs
+    partition = mechanism.problem.partition
+    if legs:
+        model, loops, partition = _with_rods(mechanism, legs)
+        own = _copied(mechanism.kinematics.model, base, model, pin.neutral(model))
+    entries = []
+    for name, edge in edges_of(model).items():
+        if name not in mechanism.spec.actuated:
+            joint = model.joints[model.getJointId(name)]
+            entries.append((slice(joint.idx_q, joint.idx_q + joint.nq), edge))
+    tree = ManyPoses(model)
+    return SearchProblem(
+        mechanism=mechanism,
+        whole=base,
+        legs=legs,
+        model=model,
+        base=own,
+        tree=tree,
+        loops=ManyLoops(model, tree, loops, mechanism.parameters),
+        closures=loops,
+        passive=tuple(entries),
+        partition=partition,
+    )
 
 
-def with_legs(
-    mechanism: Mechanism, legs: list[Leg], problem: SearchProblem, base: Array, q: Array
-) -> Array:
-    """Return the whole mechanism's q for one of the problem's, its legs reaching their ends."""
-    if not legs:
-        return q
-    whole = _copied(problem.model, q, mechanism.kinematics.model, base)
-    for leg in legs:
-        whole = reached(mechanism, leg, whole)
-    return whole
+def home_with(mechanism: Mechanism, values: Array) -> Array:
+    """Return q of the home pose with the motors at these values."""
+    columns = mechanism.problem.partition.actuated
+    return mechanism.coordinates.with_values(mechanism.home.q, columns, values)
 
 
-def without_legs(mechanism: Mechanism, problem: SearchProblem, q: Array) -> Array:
-    """Return the problem's q for one of the whole mechanism's."""
-    return _copied(mechanism.kinematics.model, q, problem.model, problem.base)
-
-
-def _without(mechanism: Mechanism, legs: list[Leg], base: Array) -> SearchProblem:
-    """Return the problem with rods in place of the legs."""
+def _with_rods(
+    mechanism: Mechanism, legs: Sequence[Leg]
+) -> tuple[pin.Model, tuple[Loop, ...], Partition]:
+    """Return the model, its loops and its partition with rods in place of the legs."""
     gone = set(names_of(legs))
     whole, everything = mechanism.kinematics.model, mechanism.spec.loops
     edges = [edge for name, edge in edges_of(whole).items() if name not in gone]
@@ -118,13 +137,11 @@ def _without(mechanism: Mechanism, legs: list[Leg], base: Array) -> SearchProble
     ]
     stay = [loop for loop in everything if not any(loop is end for end in ended)]
     sizes = dict(zip(map(id, everything), mechanism.problem.partition.loop_sizes, strict=True))
-    loops, kept = [*stay, *rods], [sizes[id(loop)] for loop in (*stay, *ended)]
-    q = _copied(whole, base, model, pin.neutral(model))
-    partition = _with_rods(mechanism, model, loops, kept)
-    return _bounded_problem(mechanism, model, loops, partition, q)
+    loops, kept = (*stay, *rods), [sizes[id(loop)] for loop in (*stay, *ended)]
+    return model, loops, _partition_with_rods(mechanism, model, loops, kept)
 
 
-def _with_rods(
+def _partition_with_rods(
     mechanism: Mechanism,
     model: pin.Model,
     loops: Sequence[Loop],
@@ -148,35 +165,6 @@ def _with_rods(
         # The rows that a rod has less than the leg in its place are independent of all others.
         passive_rank=partition.passive_rank - partition.row_scale.size + rows.size,
         size=0.0,  # that of the legs says nothing of rods
-    )
-
-
-def _bounded_problem(
-    mechanism: Mechanism,
-    model: pin.Model,
-    loops: Sequence[Loop],
-    partition: Partition,
-    base: Array,
-) -> SearchProblem:
-    tree, edges = ManyPoses(model), edges_of(model)
-    geared = [name for loop in loops if isinstance(loop, JointLoop) for name in loop.ends]
-    entries = []
-    for name in edges:
-        if name not in mechanism.spec.actuated:
-            joint = model.joints[model.getJointId(name)]
-            entries.append((slice(joint.idx_q, joint.idx_q + joint.nq), edges[name]))
-    return SearchProblem(
-        model=model,
-        base=base,
-        tree=tree,
-        loops=ManyLoops(model, tree, loops, mechanism.parameters),
-        closures=tuple(loops),
-        values=mechanism.parameters,
-        passive=tuple(entries),
-        partition=partition,
-        tolerance=mechanism.problem.tolerance,
-        tool=mechanism.spec.tool,
-        sensed=frozenset([*mechanism.spec.actuated, *geared]),
     )
 
 

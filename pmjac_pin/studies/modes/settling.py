@@ -4,20 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Protocol
+from typing import Protocol
 
 import numpy as np
 
 from pmjac_pin.configuration import Configuration
+from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.studies.evidence import Evidence
+from pmjac_pin.studies.homotopy.complex_modes import ComplexModes
 from pmjac_pin.studies.modes.closed_pose import closed_pose, open_by
 from pmjac_pin.studies.modes.proof import Proof
 from pmjac_pin.studies.modes.recognition import Recognition
 from pmjac_pin.values.arrays import Array
-
-if TYPE_CHECKING:
-    from pmjac_pin.mechanism import Mechanism
-    from pmjac_pin.studies.homotopy.complex_modes import ComplexModes
 
 
 class Census(Protocol):

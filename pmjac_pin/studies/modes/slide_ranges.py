@@ -202,7 +202,7 @@ def _spans(problem: SearchProblem) -> Iterator[Span]:
         if isinstance(loop, JointLoop):
             continue
         first, second = (find_frame(problem.model, name) for name in loop.frames)
-        for block in loop.rows(problem.values):
+        for block in loop.rows(problem.mechanism.parameters):
             if isinstance(block, Gap | Distance):
                 yield first, second, block.length if isinstance(block, Distance) else 0.0
 

@@ -13,7 +13,8 @@ from pmjac_pin.errors import ClosureError
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.rates.factorisation import factorise
 from pmjac_pin.studies.evidence import Evidence
-from pmjac_pin.studies.reach.driven import Driven, driven_by, held_by
+from pmjac_pin.studies.reach.chosen_chains import whole_chains
+from pmjac_pin.studies.reach.driven import Driven, driven_by
 from pmjac_pin.studies.reach.elsewhere import poses_at_target
 from pmjac_pin.studies.reach.goal import Goal, Miss, gaps_of, is_met
 from pmjac_pin.studies.reach.least_motion import is_least_motion, least_motion
@@ -107,7 +108,7 @@ class Asked:
 
     def poses_elsewhere(self) -> Iterator[Configuration]:
         """Yield closed poses at the target, from seeded starts, within limits."""
-        held = held_by(self.mechanism, self.goals)
+        held = driven_by(self.mechanism, self.goals, whole_chains)
         for found in poses_at_target(held, self.goals, self.start) if held else ():
             if self.meets(found) and not (self.limits and found.limits_violated):
                 yield found

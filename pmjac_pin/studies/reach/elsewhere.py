@@ -4,11 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-import numpy as np
-
-from pmjac_pin.closing.damped_closure import assemble
-from pmjac_pin.closing.held_motors import SHAKES
-from pmjac_pin.closing.pose_assembly import motor_weights
+from pmjac_pin.closing.damped_closure import assemble, motor_weights
+from pmjac_pin.closing.held_motors import SHAKES, shaken
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import ClosureError
 from pmjac_pin.studies.reach.driven import Driven
@@ -35,11 +32,9 @@ def poses_at_target(
     lifted = driven.lifted(start)
     values = driven.values(goals, start)
     q = coordinates.with_values(lifted.q, partition.actuated, values)
-    weights, rng = motor_weights(problem, 0.0), np.random.default_rng(0)
-    scale = weights * partition.column_scale * partition.length
-    for size in (0.0, *SHAKES):
-        shaken = problem.integrate(q, size * scale * rng.normal(size=scale.size))
-        found = assemble(problem, shaken, weights, _ITERATIONS)
+    weights = motor_weights(problem, 0.0)
+    for start_q in shaken(problem, q, (0.0, *SHAKES), weights):
+        found = assemble(problem, start_q, weights, _ITERATIONS)
         if found.gap <= problem.tolerance:
             closed = coordinates.unwound(found.q, partition.passive, limits=True)
             try:

@@ -11,7 +11,6 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from msgspec.structs import replace
@@ -29,36 +28,20 @@ from pmjac_pin.studies.modes.aim import Aim
 from pmjac_pin.studies.modes.assembly_modes import AssemblyModes
 from pmjac_pin.studies.modes.closed_pose import closed_pose
 from pmjac_pin.studies.modes.find import find_modes
-from pmjac_pin.studies.reach.driven_by_tool import DrivenByTool
+from pmjac_pin.studies.modes.modes_found import ModesFound
+from pmjac_pin.studies.reach.driven import Driven
 from pmjac_pin.studies.reach.motor_values_alike import of_other_values
 from pmjac_pin.studies.recut import recut
 from pmjac_pin.values.arrays import Array
+from pmjac_pin.values.groups import sharing_groups
 
 _MOST_COMBINATIONS = 4096
 _WEAKEST_LAST = ("proof", "tolerance", "statistics", "nothing")  # the weakest last
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class LegModes:
-    """What one leg allows: poses with other motor values each, and what it rests on."""
-
-    poses: tuple[Configuration, ...]
-    starts: int
-    evidence: Evidence
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class ModesByLegs:
-    """What all legs allow together: poses of the machine driven by its tool."""
-
-    poses: tuple[Configuration, ...]
-    starts: int
-    evidence: Evidence
-
-
 def modes_by_legs(
-    driven: DrivenByTool, values: Array, rng: np.random.Generator, limits: bool, aim: Aim
-) -> ModesByLegs | None:
+    driven: Driven, values: Array, rng: np.random.Generator, limits: bool, aim: Aim
+) -> ModesFound | None:
     """Return the poses at a target; None where the machine does not fall apart into legs."""
     legs = separate_legs(driven)
     if not legs:
@@ -68,21 +51,21 @@ def modes_by_legs(
     for leg in legs:
         modes = find_modes(leg, {name: named[name] for name in leg.spec.actuated}, rng, limits, aim)
         poses = _distinct_poses(driven.whole, leg, modes)
-        found.append(LegModes(poses, modes.starts, modes.evidence))
-    if math.prod(len(one.poses) for one in found) > _MOST_COMBINATIONS:
+        found.append(ModesFound(poses, modes.starts, modes.evidence))
+    if math.prod(len(one) for one in found) > _MOST_COMBINATIONS:
         return None
-    combined = itertools.product(*(one.poses for one in found))
+    combined = itertools.product(*found)
     rows = (_together(driven, values, each) for each in combined)
     closed = [closed_pose(driven.mechanism, q, limits) for q in rows]
     together = tuple(one for one in closed if one is not None)
-    return ModesByLegs(
+    return ModesFound(
         together, sum(one.starts for one in found), _of_the_weakest(found, len(together))
     )
 
 
-def separate_legs(driven: DrivenByTool) -> list[Mechanism]:
+def separate_legs(driven: Driven) -> list[Mechanism]:
     """Return the legs of a machine driven by its tool, each a mechanism; none if it has but one."""
-    joint = _carrier(driven)
+    joint = _carrier(driven) if driven.chains else ""
     if not joint or not _is_welded(driven):
         return []
     try:
@@ -97,14 +80,14 @@ def separate_legs(driven: DrivenByTool) -> list[Mechanism]:
     return [_machine_of(hung, loops) for _, loops in groups]
 
 
-def _carrier(driven: DrivenByTool) -> str:
+def _carrier(driven: Driven) -> str:
     """Return the joint of the tree that carries the one tool's body; none where that is none."""
     model, frames = driven.mechanism.kinematics.model, driven.chains[0].tool.names
     body = find_frame(model, frames[0]).joint
     return model.names[body] if body and len(driven.chains) == len(frames) == 1 else ""
 
 
-def _is_welded(driven: DrivenByTool) -> bool:
+def _is_welded(driven: Driven) -> bool:
     """Tell whether the loop that holds the tool leaves it no freedom."""
     return isinstance(driven.mechanism.spec.loops[0], FrameLoop)
 
@@ -112,15 +95,13 @@ def _is_welded(driven: DrivenByTool) -> bool:
 def _groups_of_loops(hung: Mechanism) -> list[tuple[set[int], list[int]]]:
     """Return the loops in groups that share no passive joint, each behind its passive columns."""
     passive = set(hung.problem.partition.passive.tolist())
-    groups: list[tuple[set[int], list[int]]] = []
-    for number, moving in enumerate(hung.kinematics.loops.moving):
-        columns, loops = passive & set(moving.tolist()), [number]
-        for group in [one for one in groups if one[0] & columns]:
-            groups.remove(group)
-            columns, loops = columns | group[0], [*group[1], *loops]
-        groups.append((columns, loops))
+    columns = [passive & set(moving.tolist()) for moving in hung.kinematics.loops.moving]
     # A loop that no passive joint is left in fits, or the pose that is put together does not close.
-    return [group for group in groups if group[0]]
+    return [
+        (moved, group)
+        for group in sharing_groups(columns)
+        if (moved := set().union(*(columns[number] for number in group)))
+    ]
 
 
 def _machine_of(hung: Mechanism, numbers: Sequence[int]) -> Mechanism:
@@ -160,7 +141,7 @@ def _distinct_poses(
     return tuple(of_other_values(poses, motors))
 
 
-def _together(driven: DrivenByTool, values: Array, poses: Sequence[Configuration]) -> Array:
+def _together(driven: Driven, values: Array, poses: Sequence[Configuration]) -> Array:
     """Return q with the motors at their values and each leg in its pose."""
     mechanism = driven.mechanism
     columns, coordinates = mechanism.problem.partition.actuated, mechanism.coordinates
@@ -172,7 +153,7 @@ def _together(driven: DrivenByTool, values: Array, poses: Sequence[Configuration
     return _carried(driven, q)
 
 
-def _carried(driven: DrivenByTool, q: Array) -> Array:
+def _carried(driven: Driven, q: Array) -> Array:
     """Return q with the tool's body where its chain holds it."""
     mechanism, carrier, frame = driven.mechanism, _carrier(driven), driven.chains[0].tool.names[0]
     model = mechanism.kinematics.model
@@ -184,9 +165,9 @@ def _carried(driven: DrivenByTool, q: Array) -> Array:
     return mechanism.coordinates.q({carrier: entries}, q)
 
 
-def _of_the_weakest(legs: Sequence[LegModes], count: int) -> Evidence:
+def _of_the_weakest(legs: Sequence[ModesFound], count: int) -> Evidence:
     """Return what all legs rest on, the weakest of them first."""
-    ways = "·".join(str(len(one.poses)) for one in legs)
+    ways = "·".join(str(len(one)) for one in legs)
     weakest = max((one.evidence for one in legs), key=lambda one: _WEAKEST_LAST.index(one.kind))
     statement = (
         f"{count}, of the {ways} combinations of what its legs allow, each for itself while the "

@@ -16,8 +16,8 @@ from pmjac_pin.studies.modes.aim import Aim
 from pmjac_pin.studies.modes.closed_pose import generator
 from pmjac_pin.studies.modes.find import find_modes
 from pmjac_pin.studies.modes.modes_found import ModesFound
-from pmjac_pin.studies.reach.driven import searched_by
-from pmjac_pin.studies.reach.driven_by_tool import DrivenByTool
+from pmjac_pin.studies.reach.chosen_chains import single_chains
+from pmjac_pin.studies.reach.driven import driven_by
 from pmjac_pin.studies.reach.goal import Goal, is_met
 from pmjac_pin.studies.reach.motor_values_alike import of_other_values
 from pmjac_pin.studies.reach.separate_legs import modes_by_legs
@@ -99,7 +99,7 @@ def working_modes(
     """
     check_kind(mechanism, Mechanism)
     goals = read_goals(mechanism, target, tool, task, mask)
-    driven = searched_by(mechanism, goals)
+    driven = driven_by(mechanism, goals, single_chains)
     if driven is None:
         raise ArgumentError(f"{mechanism.name} cannot be driven by its tool: its home is singular")
     partition = driven.mechanism.problem.partition
@@ -108,11 +108,10 @@ def working_modes(
     aim = Aim(unseen, confidence, most_starts, as_flag(proof, "proof"), None)
     values = driven.values(goals, mechanism.home)
     generated, within = generator(rng), as_flag(limits, "limits")
-    if isinstance(driven, DrivenByTool):
-        by_legs = modes_by_legs(driven, values, generated, within, aim)
-        if by_legs is not None:
-            poses = [driven.original(one) for one in by_legs.poses]
-            return _by_order(goals, poses, by_legs.starts, by_legs.evidence)
+    by_legs = modes_by_legs(driven, values, generated, within, aim)
+    if by_legs is not None:
+        poses = [driven.original(one) for one in by_legs]
+        return _by_order(goals, poses, by_legs.starts, by_legs.evidence)
     modes = find_modes(driven.mechanism, values, generated, within, aim)
     every = (driven.original(one) for one in itertools.chain.from_iterable(modes.poses))
     distinct = of_other_values(every, mechanism.spec.actuated)

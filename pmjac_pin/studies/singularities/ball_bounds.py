@@ -104,10 +104,7 @@ class BallBounds:
     ) -> Mask:
         """Tell up to which R as many rows of loops and tool are independent as generically."""
         rank = partition.constraint_rank + partition.tool_rank
-        both = Intervals(
-            np.concatenate([loops.lower, tool.lower], axis=1),
-            np.concatenate([loops.upper, tool.upper], axis=1),
-        )
+        both = Intervals.join([loops, tool], axis=1)
         scale = np.concatenate([partition.row_scale, np.ones(tool.shape[1])])
         rows, columns = independent_square(both.middle[0] * scale[:, None], rank)
         own, mine = both[:, rows][:, :, columns], groups[:, columns]

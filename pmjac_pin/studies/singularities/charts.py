@@ -15,7 +15,7 @@ import numpy as np
 import pinocchio as pin
 
 from pmjac_pin.configuration import Configuration
-from pmjac_pin.errors import ArgumentError, ClosureError
+from pmjac_pin.errors import ArgumentError, ClosureError, quoted
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.coordinates import JointCoordinates
 from pmjac_pin.model.loop_spec import FrameLoop, PointLoop
@@ -100,6 +100,14 @@ class Chart:
             return pose
         values = _along(self.area.names, pose.tool_pose().translation) - self.origin
         return self.area.mechanism.configuration(np.concatenate([pose.q, values]))
+
+
+def slice_pose(mechanism: Mechanism, given: str | Configuration, what: str) -> Configuration:
+    """Return the pose through which a slice is to go, or say what is wrong with it."""
+    pose = mechanism.pose(given) if isinstance(given, str) else given
+    if not isinstance(pose, Configuration) or pose.mechanism != mechanism:
+        raise ArgumentError(f"`{what}` is a pose of the mechanism or its name, got {quoted(given)}")
+    return pose
 
 
 def chart(

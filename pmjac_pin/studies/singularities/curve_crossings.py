@@ -12,15 +12,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from pmjac_pin.studies.singularities.cubic_chain import unit_ways, wedge
 from pmjac_pin.studies.singularities.curve_equations import SingularPoint
-from pmjac_pin.studies.singularities.curve_tracing import OnCurve, Traced, Tracer
-from pmjac_pin.studies.singularities.plane_curve import (
-    CurveChord,
-    PlaneCurve,
-    pairs_of_curves,
-    unit_ways,
-    wedge,
-)
+from pmjac_pin.studies.singularities.curve_tracing import OnCurve
+from pmjac_pin.studies.singularities.plane_curve import CurveChord, PlaneCurve, pairs_of_curves
 from pmjac_pin.values.arrays import Array, Mask
 
 _NEWTON = 12
@@ -46,32 +41,18 @@ class Crossing(NamedTuple):
     meets: bool
 
 
-def curve_crossings(tracers: Sequence[Tracer], curves: Sequence[Traced]) -> Iterator[Crossing]:
-    """Yield where curves cross in the plane; `meets` where they do in joint space as well.
-
-    Parameters
-    ----------
-    tracers : sequence of Tracer
-        Of each curve.
-    curves : sequence of Traced
-    """
-    for (i, one), (j, other) in pairs_of_curves(tracers, curves):
+def curve_crossings(curves: Sequence[PlaneCurve]) -> Iterator[Crossing]:
+    """Yield where curves cross in the plane; `meets` where they do in joint space as well."""
+    for (i, one), (j, other) in pairs_of_curves(curves):
         for k, m, shares in _crossing_chords(one.places, other.places, same=i == j):
             if not _lies_along(one, k, other, m):
                 found = _refined(CurveChord(one, k), CurveChord(other, m), shares)
                 yield from _told_crossing(found, (i, j))
 
 
-def curve_touchings(tracers: Sequence[Tracer], curves: Sequence[Traced]) -> Iterator[Crossing]:
-    """Yield where curves touch in the plane: with one tangent, bent differently.
-
-    Parameters
-    ----------
-    tracers : sequence of Tracer
-        Of each curve.
-    curves : sequence of Traced
-    """
-    for (i, one), (j, other) in pairs_of_curves(tracers, curves):
+def curve_touchings(curves: Sequence[PlaneCurve]) -> Iterator[Crossing]:
+    """Yield where curves touch in the plane: with one tangent, bent differently."""
+    for (i, one), (j, other) in pairs_of_curves(curves):
         for k, m, shares in _chords_side_by_side(one, other):
             found = _touching(CurveChord(one, k), CurveChord(other, m), shares)
             yield from _told_crossing(found, (i, j))

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal, NamedTuple
 
 import numpy as np
+from scipy.optimize import brentq
 
 from pmjac_pin.studies.singularities.curve_equations import CurveEquations, SingularPoint
 from pmjac_pin.studies.singularities.plane_slice import PlaneSlice
@@ -22,6 +23,7 @@ _OFF = 0.15  # of a step: how far Newton may lead from its end
 _LONGEST_CURVE = 20_000
 _FOOT_STEPS = 8
 _TURNING_ALONE = 1e-6  # of a tangent: what joints have of it at a pose at which u turns alone
+_SHARP = 1e-14  # of the way: where a number passes zero
 _ON_CURVE = 1e-5  # of the way between two points that follow each other
 
 
@@ -103,6 +105,25 @@ class Tracer:
         chord = self.chord(first.point, second.point)
         ahead = self.equations.moved(first.point, share * chord)
         return self.corrected(ahead, norm(chord))
+
+    def zero_between(
+        self, first: OnCurve, second: OnCurve, number: Callable[[SingularPoint], float]
+    ) -> tuple[float, SingularPoint] | None:
+        """Return the point of the curve, and its share of the way, where a number passes zero.
+
+        None where its signs at the two points do not differ, or a point between is not found.
+        """
+
+        def at(share: float) -> float:
+            point = self.between(first, second, share)
+            return np.nan if point is None else number(point)
+
+        try:
+            share: float = brentq(at, 0.0, 1.0, xtol=_SHARP)
+        except ValueError:
+            return None
+        point = self.between(first, second, share)
+        return None if point is None else (share, point)
 
     def chord(self, first: SingularPoint, second: SingularPoint) -> Array:
         """Return the step (nv + k,) that leads from one point to another, without full turns."""

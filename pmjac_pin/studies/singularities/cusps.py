@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 
 from pmjac_pin.studies.singularities.curve_equations import SingularPoint
-from pmjac_pin.studies.singularities.curve_tracing import OnCurve, Traced, Tracer
+from pmjac_pin.studies.singularities.curve_tracing import Traced, Tracer
 from pmjac_pin.studies.singularities.singular_equations import SingularEquations
 from pmjac_pin.values.arrays import Array
-
-_FALSE_POSITIONS = 60
 
 
 def cusps(tracer: Tracer, equations: SingularEquations, curve: Traced) -> Iterator[SingularPoint]:
@@ -21,9 +20,10 @@ def cusps(tracer: Tracer, equations: SingularEquations, curve: Traced) -> Iterat
     pairs = zip(curve.points, curve.points[1:], strict=False)
     for k, (first, second) in enumerate(pairs):
         if curvatures[k] * curvatures[k + 1] < 0.0:
-            found = _cusp_between(tracer, equations, first, second)
-            if found is not None:
-                yield found
+            _, beside = _curvature(equations, first.point, None)
+            at = partial(_signed_curvature, equations, beside)
+            if (found := tracer.zero_between(first, second, at)) is not None:
+                yield found[1]
 
 
 def _curvature(
@@ -35,23 +35,5 @@ def _curvature(
     return turned * fold.curvature, turned * fold.left
 
 
-def _cusp_between(
-    tracer: Tracer, equations: SingularEquations, first: OnCurve, second: OnCurve
-) -> SingularPoint | None:
-    """Return where the curvature passes zero, by the rule of false position (Illinois)."""
-    start, left = _curvature(equations, first.point, None)
-    low, high = (0.0, start), (1.0, _curvature(equations, second.point, left)[0])
-    found, kept = None, 0
-    for _ in range(_FALSE_POSITIONS):
-        share = (low[0] * high[1] - high[0] * low[1]) / (high[1] - low[1])
-        found = tracer.between(first, second, share)
-        if found is None:
-            return None
-        value, _ = _curvature(equations, found, left)
-        if abs(value) <= 1e-14 or high[0] - low[0] <= 1e-14:
-            return found
-        if value * low[1] < 0.0:
-            high, kept, low = (share, value), 1, (low[0], low[1] * (0.5 if kept == 1 else 1.0))
-        else:
-            low, kept, high = (share, value), -1, (high[0], high[1] * (0.5 if kept == -1 else 1.0))
-    return found
+def _signed_curvature(equations: SingularEquations, left: Array, point: SingularPoint) -> float:
+    return _curvature(equations, point, left)[0]

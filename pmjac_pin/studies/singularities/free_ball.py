@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 
 from pmjac_pin.algebra.balls import OUTWARDS, precise
 from pmjac_pin.configuration import Configuration
-from pmjac_pin.errors import ArgumentError, quoted
+from pmjac_pin.errors import ArgumentError
 from pmjac_pin.rates.partition import Partition
 from pmjac_pin.studies.certificates.certificate import others_of
 from pmjac_pin.studies.certificates.equations import LoopEquations
@@ -19,7 +19,8 @@ from pmjac_pin.studies.singularities.ball_bounds import BallBounds
 from pmjac_pin.studies.singularities.free_cells import FreeCells
 from pmjac_pin.studies.singularities.series_ball import SeriesBall
 from pmjac_pin.studies.singularities.singular_equations import FREED, Freed
-from pmjac_pin.values.checks import check_kind
+from pmjac_pin.values.arrays import Index
+from pmjac_pin.values.checks import as_count, check_kind, check_one_of
 
 _HALF_A_CELL = 0.5  # of what one step proves: half the width of cells
 
@@ -137,12 +138,9 @@ def singularity_free(
     True
     """
     check_kind(configuration, Configuration)
-    if kind not in FREED:
-        raise ArgumentError(f"kind is gain or loss, got {quoted(kind)}")
-    if order not in (1, 2):
-        raise ArgumentError(f"order is 1 or 2, got {quoted(order)}")
-    if not (isinstance(most_cells, int) and most_cells >= 1):
-        raise ArgumentError(f"most_cells is a whole number ≥ 1, got {quoted(most_cells)}")
+    check_one_of(kind, "kind", FREED)
+    check_one_of(order, "order", (1, 2))
+    most_cells = as_count(most_cells, "most_cells")
     mechanism, partition = configuration.mechanism, configuration.problem.partition
     slides = all(unit == "m" for unit in partition.units_of(partition.actuated))
     unit: Literal["m", "rad"] = "m" if slides else "rad"
@@ -150,39 +148,55 @@ def singularity_free(
         mechanism.need_tool()
     elif not partition.passive_rank:
         return SingularityFree(np.inf, unit, 0.0, 0)
-    columns = [*partition.passive.tolist(), *partition.actuated.tolist()]
     try:
         with precise(), np.errstate(over="ignore", invalid="ignore"):
-            model, loops = mechanism.kinematics.model, mechanism.spec.loops
-            equations = LoopEquations(model, loops, mechanism.parameters, columns)
-            tool = ToolRates(mechanism, equations.unknowns) if kind == "loss" else None
-            bounds = BallBounds(equations, configuration, tool=tool)
-            radius, passive = bounds.largest()
-            groups = equations.unknowns.groups[:, : partition.passive.size]
-            if radius and order > 1 and _in_series(equations, partition):
-                series = SeriesBall(configuration, bounds.kept, groups, tool)
-                radius, passive = max((radius, passive), series.largest(radius))
-            cells = FreeCells(equations, configuration, bounds, most_cells, tool)
-            if radius and most_cells > 1 and _one_by_one(equations, bounds, partition):
-                half = _HALF_A_CELL * bounds.largest()[0]
-                radius, passive = max((radius, passive), cells.grown(half))
+            found = _proven_ball(configuration, kind, most_cells, order)
     except ArgumentError as error:
         return SingularityFree(0.0, unit, 0.0, partition.passive_rank, kind, str(error))
-    rows, taken = bounds.kept
+    left_out, held = map(others_of, (len(mechanism.rows), partition.passive.size), found.kept)
     return SingularityFree(
-        radius=radius * (partition.length if slides else 1.0) / OUTWARDS,
+        radius=found.radius * (partition.length if slides else 1.0) / OUTWARDS,
         unit=unit,
-        passive_radius=passive,
+        passive_radius=found.passive,
         rank=partition.passive_rank,
         kind=kind,
         tool_rank=partition.tool_rank if kind == "loss" else 0,
-        failed=bounds.failed,
-        left_out=tuple(mechanism.rows[k] for k in others_of(len(mechanism.rows), rows).tolist()),
-        held=tuple(
-            partition.passive_names[k] for k in others_of(partition.passive.size, taken).tolist()
-        ),
-        cells=cells.tried,
+        failed=found.failed,
+        left_out=tuple(mechanism.rows[k] for k in left_out.tolist()),
+        held=tuple(partition.passive_names[k] for k in held.tolist()),
+        cells=found.cells,
     )
+
+
+class _ProvenBall(NamedTuple):
+    """What is proven of the motors within a distance, and by which rows and columns of K*."""
+
+    radius: float
+    passive: float
+    kept: tuple[Index, Index]
+    failed: str
+    cells: int
+
+
+def _proven_ball(
+    configuration: Configuration, kind: Freed, most_cells: int, order: int
+) -> _ProvenBall:
+    """Return the largest ball that one step proves, a series, or cells as large as one step's."""
+    mechanism, partition = configuration.mechanism, configuration.problem.partition
+    columns = [*partition.passive.tolist(), *partition.actuated.tolist()]
+    model, loops = mechanism.kinematics.model, mechanism.spec.loops
+    equations = LoopEquations(model, loops, mechanism.parameters, columns)
+    tool = ToolRates(mechanism, equations.unknowns) if kind == "loss" else None
+    bounds = BallBounds(equations, configuration, tool=tool)
+    found = bounds.largest()
+    first, groups = found[0], equations.unknowns.groups[:, : partition.passive.size]
+    if first and order > 1 and _in_series(equations, partition):
+        series = SeriesBall(configuration, bounds.kept, groups, tool)
+        found = max(found, series.largest(first))
+    cells = FreeCells(equations, configuration, bounds, most_cells, tool)
+    if first and most_cells > 1 and _one_by_one(equations, bounds, partition):
+        found = max(found, cells.grown(_HALF_A_CELL * first))
+    return _ProvenBall(*found, bounds.kept, bounds.failed, cells.tried)
 
 
 def _in_series(equations: LoopEquations, partition: Partition) -> bool:

@@ -4,20 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
 
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.model.coordinates import entry_names
+from pmjac_pin.studies.datasets import Dataset, dataset
 from pmjac_pin.studies.evidence import Evidence
 from pmjac_pin.studies.singularities.singular_equations import Freed
 from pmjac_pin.values.arrays import Array, ReadOnlyArrays
-
-if TYPE_CHECKING:
-    from xarray import Dataset
-else:
-    Dataset = Any
 
 LocusMark = Literal["cusp", "crossing", "touching", "branch point", "isolated point"]
 
@@ -174,9 +170,6 @@ class SingularityLocus(ReadOnlyArrays):
 
 def _locus_dataset(locus: SingularityLocus) -> Dataset:
     """Return curves and special points as a dataset; see `SingularityLocus.to_xarray`."""
-    from pmjac_pin.studies.sweep.store import packages  # noqa: PLC0415 - with xarray
-
-    xarray, _ = packages()
     curves, points = locus.curves, locus.points
     nq = locus.at.mechanism.nq
     numbers = [np.full(len(curve.places), k) for k, curve in enumerate(curves)]
@@ -197,8 +190,7 @@ def _locus_dataset(locus: SingularityLocus) -> Dataset:
     }
     held = {f"held {name}": value for name, value in locus.held.items()}
     attributes = {"mechanism": locus.at.mechanism.name, "evidence": str(locus.evidence), **held}
-    found: Dataset = xarray.Dataset(variables, coordinates, attributes)
-    return found
+    return dataset(variables, coordinates, attributes)
 
 
 def _rows_of_all(parts: list[Any], width: int) -> Any:

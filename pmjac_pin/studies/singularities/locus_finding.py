@@ -10,11 +10,11 @@ from collections.abc import Iterable, Iterator
 
 import numpy as np
 
-from pmjac_pin.closing.damped_closure import assemble
-from pmjac_pin.closing.pose_assembly import motor_weights
+from pmjac_pin.closing.damped_closure import assemble, motor_weights
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.studies.singularities.curve_equations import CurveEquations, SingularPoint
 from pmjac_pin.studies.singularities.curve_tracing import OnCurve, Traced, Tracer
+from pmjac_pin.studies.singularities.plane_curve import PlaneCurve
 from pmjac_pin.studies.singularities.plane_slice import PlaneSlice
 from pmjac_pin.studies.singularities.sheets import Sheets
 from pmjac_pin.studies.singularities.singular_equations import Freed, SingularEquations
@@ -59,8 +59,9 @@ class LocusFinding:
 
     @property
     def isolated(self) -> list[SingularPoint]:
-        """Singular points through which no curve leads that was found."""
-        return [
+        """Singular points through which no curve leads that was found, or none in the plane."""
+        staying = [curve.points[0].point for curve in self.curves if self.stays(curve)]
+        return staying + [
             point
             for point in self._alone
             if not any(self.tracer.holds(curve, point) for curve in self.curves)
@@ -102,6 +103,11 @@ class LocusFinding:
         looked = max(_LOOKED, count // _LOOKED_EVERY)
         for index in sorted({int(k) for k in np.linspace(0, count - 1, looked + 2)[1:-1]}):
             yield from self.modes_at(curve.points[index])
+
+    @property
+    def moving(self) -> list[PlaneCurve]:
+        """The curves that do not stay at one place, in the plane."""
+        return [PlaneCurve.of(self.tracer, one) for one in self.curves if not self.stays(one)]
 
     def stays(self, curve: Traced) -> bool:
         """Tell whether a curve stays at its place, the machine moving with the plane at rest."""

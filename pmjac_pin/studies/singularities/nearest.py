@@ -12,14 +12,14 @@ import pinocchio as pin
 
 from pmjac_pin.algebra.one_thread import on_one_thread
 from pmjac_pin.configuration import Configuration
-from pmjac_pin.errors import ArgumentError, ClosureError, PmjacError, quoted
+from pmjac_pin.errors import ArgumentError, ClosureError, PmjacError
 from pmjac_pin.studies.modes.closed_pose import generator
 from pmjac_pin.studies.singularities.change import ChangeFrom, Space
 from pmjac_pin.studies.singularities.closest import ClosestPoint
 from pmjac_pin.studies.singularities.nearest_singularity import NearestSingularity
 from pmjac_pin.studies.singularities.singular_equations import FREED, Freed, SingularEquations
 from pmjac_pin.values.arrays import Array, norm
-from pmjac_pin.values.checks import check_kind
+from pmjac_pin.values.checks import as_count, check_kind, check_one_of
 
 _SPACES = ("motors", "joints")
 _REACHES = (0.3, 1.0, 2.5)  # rad or lengths: how far starts lead from the pose
@@ -82,12 +82,10 @@ def nearest_singularity(
     -0.9
     """
     check_kind(configuration, Configuration)
-    if space not in _SPACES:
-        raise ArgumentError(f"space is motors or joints, got {quoted(space)}")
-    if kind is not None and kind not in FREED:
-        raise ArgumentError(f"kind is gain or loss, got {quoted(kind)}")
-    if not (isinstance(starts, int) and starts >= 0):
-        raise ArgumentError(f"starts is a whole number ≥ 0, got {quoted(starts)}")
+    check_one_of(space, "space", _SPACES)
+    if kind is not None:
+        check_one_of(kind, "kind", FREED)
+    starts = as_count(starts, "starts", 0)
     equations = _equations_of(configuration, kind)
     measure = ChangeFrom(configuration, space, weights or {})
     begun = [configuration.q, *_starts(configuration, starts, generator(rng))]

@@ -1,18 +1,16 @@
-"""PlaneCurve: a traced curve in its plane, a cubic over each chord between its points."""
+"""PlaneCurve: a traced curve in its plane."""
 
 from __future__ import annotations
 
 import itertools
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
+from pmjac_pin.studies.singularities.cubic_chain import CubicChain, unit_ways, wedge
 from pmjac_pin.studies.singularities.curve_tracing import OnCurve, Traced, Tracer
 from pmjac_pin.values.arrays import Array, Index
-
-_FEET = 3  # Newton steps to the foot of a place on a cubic
 
 
 def place_rate(tracer: Tracer, one: OnCurve) -> Array:
@@ -22,55 +20,8 @@ def place_rate(tracer: Tracer, one: OnCurve) -> Array:
     return np.asarray(scale * one.tangent[area.columns])
 
 
-def unit_ways(rows: Array) -> Array:
-    """Return rows of unit length, those of zero as they are."""
-    sizes = np.linalg.norm(rows, axis=-1, keepdims=True)
-    return np.asarray(rows / np.where(sizes > 0.0, sizes, 1.0))
-
-
-def wedge(first: Array, second: Array) -> float:
-    """Return the area that two vectors of the plane span, positive to the left of the first."""
-    return float(first[0] * second[1] - first[1] * second[0])
-
-
-def arc_length(first: Array, second: Array, begin: Array, end: Array) -> float:
-    """Return the length of the arc over a chord, as of a circle with these directions."""
-    chord = float(np.linalg.norm(second - first))
-    half = 0.5 * np.arccos(np.clip(begin @ end, -1.0, 1.0))
-    return chord * float(half / np.sin(half)) if half > 1e-9 else chord
-
-
-def cubic_at(ends: Array, ways: Array, share: float) -> tuple[Array, Array]:
-    """Return place and rate at a share of a chord, of the cubic with these directions."""
-    length, chord, s = arc_length(*ends, *ways), ends[1] - ends[0], share
-    m, n = length * ways[0], length * ways[1]
-    bend, turn = 3.0 * chord - 2.0 * m - n, m + n - 2.0 * chord
-    place = ends[0] + s * (m + s * (bend + s * turn))
-    return place, m + s * (2.0 * bend + 3.0 * s * turn)
-
-
-def from_cubics(place: Array, places: Array, ways: Array, chords: Index | None = None) -> float:
-    """Return how far a place is from the cubic over the nearest of some chords, or of all."""
-    shares, away = _from_chords(place, places)
-    k = int(np.argmin(away) if chords is None else chords[np.argmin(away[chords])])
-    ends, its, share = places[k : k + 2], ways[k : k + 2], float(shares[k])
-    for _ in range(_FEET):
-        there, rate = cubic_at(ends, its, share)
-        ahead = float((place - there) @ rate) / max(float(rate @ rate), 1e-300)
-        share = float(np.clip(share + ahead, 0.0, 1.0))
-    return float(np.linalg.norm(cubic_at(ends, its, share)[0] - place))
-
-
-def _from_chords(place: Array, places: Array) -> tuple[Array, Array]:
-    """Return shares of all chords that are nearest to a place, and how far, (N − 1,)."""
-    first, chord = places[:-1], np.diff(places, axis=0)
-    along = ((place - first) * chord).sum(axis=1) / np.maximum((chord**2).sum(axis=1), 1e-300)
-    shares = np.clip(along, 0.0, 1.0)
-    return shares, np.linalg.norm(first + shares[:, None] * chord - place, axis=1)
-
-
 @dataclass(frozen=True, eq=False)
-class PlaneCurve:
+class PlaneCurve(CubicChain):
     """Where a curve is in the plane, in shares of the window.
 
     Attributes
@@ -82,22 +33,12 @@ class PlaneCurve:
     tracer: Tracer
     traced: Traced
 
-    @cached_property
-    def places(self) -> Array:
-        """Of all points, shape (N, 2)."""
-        area = self.tracer.area
-        return np.asarray(area.places(self.traced.q) / area.size)
-
-    @cached_property
-    def ways(self) -> Array:
-        """How the places change along the curve, of unit length, shape (N, 2)."""
-        rates = [place_rate(self.tracer, one) for one in self.traced.points]
-        return unit_ways(np.array(rates) / self.tracer.area.size)
-
-    @cached_property
-    def lengths(self) -> Array:
-        """Of all chords, shape (N − 1,)."""
-        return np.asarray(np.linalg.norm(np.diff(self.places, axis=0), axis=1))
+    @classmethod
+    def of(cls, tracer: Tracer, traced: Traced) -> PlaneCurve:
+        """Return that of a curve, as it was traced."""
+        rates = np.array([place_rate(tracer, one) for one in traced.points])
+        size = tracer.area.size
+        return cls(tracer.area.places(traced.q) / size, unit_ways(rates / size), tracer, traced)
 
     def is_smooth(self, k: int) -> bool:
         """Tell whether a chord has no turning back between its ends, and little bend."""
@@ -114,22 +55,10 @@ class PlaneCurve:
             after += 1
         return before, after + 1
 
-    def cubic(self, k: int, share: float) -> tuple[Array, Array]:
-        """Return place and rate at a share of a chord."""
-        return cubic_at(self.places[k : k + 2], self.ways[k : k + 2], share)
-
     def chords_about(self, k: int, count: int) -> Index:
         """Return the numbers of so many chords to both sides of one, over a closed curve's end."""
         near, last = np.arange(k - count, k + count + 1), len(self.lengths)
         return near % last if self.traced.is_closed else near[(near >= 0) & (near < last)]
-
-    def from_chords(self, place: Array) -> tuple[Array, Array]:
-        """Return shares of all chords that are nearest to a place, and how far, (N − 1,)."""
-        return _from_chords(place, self.places)
-
-    def distance(self, place: Array, chords: Index) -> float:
-        """Return how far a place is from the cubic over the nearest of some chords."""
-        return from_cubics(place, self.places, self.ways, chords)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -184,8 +113,7 @@ class CurveChord:
 
 
 def pairs_of_curves(
-    tracers: Sequence[Tracer], curves: Sequence[Traced]
+    curves: Sequence[PlaneCurve],
 ) -> Iterator[tuple[tuple[int, PlaneCurve], tuple[int, PlaneCurve]]]:
     """Yield each two curves with their indices, and each curve with itself."""
-    drawn = [PlaneCurve(*pair) for pair in zip(tracers, curves, strict=True)]
-    yield from itertools.combinations_with_replacement(enumerate(drawn), 2)
+    yield from itertools.combinations_with_replacement(enumerate(curves), 2)

@@ -81,6 +81,11 @@ class PlaneSlice:
         return first, second
 
     @property
+    def motors(self) -> list[int]:
+        """Which of the machine's motors the two are."""
+        return [self.mechanism.actuated.index(name) for name in self.names]
+
+    @property
     def held_values(self) -> dict[str, float]:
         """The values of the motors that stay, by name."""
         values = dict(zip(self.mechanism.actuated, self.at.actuated.tolist(), strict=True))
@@ -94,6 +99,11 @@ class PlaneSlice:
     def places(self, q: Array) -> Array:
         """Return where poses (..., nq) are in the plane, (..., 2)."""
         return self.mechanism.coordinates.values_of(q, self.columns)
+
+    def nearest(self, places: Array, place: Array, count: int) -> Index:
+        """Return so many of some places (..., 2), as if in one row, that are nearest to another."""
+        away = np.linalg.norm((places - place) / self.size, axis=-1).ravel()
+        return np.argsort(away, kind="stable")[:count]
 
     def inside(self, places: Array) -> Mask:
         """Tell which places (..., 2) are in the window."""

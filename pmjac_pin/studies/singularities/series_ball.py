@@ -208,7 +208,4 @@ def _loops_above_tool(
         for of, own in ((loops, here.loops), (tool, here.tool))
         if constant in own
     ]
-    return Intervals(
-        np.concatenate([part.lower for part in parts]),
-        np.concatenate([part.upper for part in parts]),
-    )
+    return Intervals.join(parts)

@@ -11,11 +11,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Literal
 
 import numpy as np
 
 from pmjac_pin.batches.batch import Batch
-from pmjac_pin.batches.results import ManyInGrid, Status
+from pmjac_pin.batches.results import ManyClosed, ManyInGrid, Status
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import ArgumentError, quoted
 from pmjac_pin.studies.singularities.plane_slice import PlaneSlice
@@ -43,6 +44,13 @@ def as_grid(cells: object) -> tuple[int, int]:
     return cells, cells
 
 
+def beside(marked: Mask) -> Mask:
+    """Tell which cells of a grid (a, b) are beside a marked one."""
+    padded = np.pad(marked, 1)
+    rows = padded[:-2, 1:-1] | padded[2:, 1:-1]
+    return np.asarray(rows | padded[1:-1, :-2] | padded[1:-1, 2:])
+
+
 @dataclass(frozen=True, eq=False)
 class SliceSheet:
     """The cells of a slice that one assembly mode reaches.
@@ -68,10 +76,7 @@ class SliceSheet:
 
     def border(self) -> Array:
         """Return q of the closed cells beside others that no path reaches, shape (k, nq)."""
-        open_cells = np.pad(self.cells.status == Status.STOPPED, 1)
-        beside = open_cells[:-2, 1:-1] | open_cells[2:, 1:-1]
-        beside |= open_cells[1:-1, :-2] | open_cells[1:-1, 2:]
-        return np.asarray(self.cells.q[self.new & beside])
+        return np.asarray(self.cells.q[self.new & beside(self.cells.status == Status.STOPPED)])
 
     def valleys(self, values: Array) -> Array:
         """Return q of cells where something may pass zero between those beside, (k, nq).
@@ -118,6 +123,11 @@ class Sheets:
         self._largest = max(1.0, area.mechanism.characteristic_length)
         self._values = np.stack(np.meshgrid(*self._axes.values(), indexing="ij"), axis=-1)
 
+    @property
+    def cell(self) -> Array:
+        """Width and height of a cell, m or rad."""
+        return np.asarray(self.area.size / [axis.size - 1 for axis in self._axes.values()])
+
     def add(self, start: Configuration) -> int | None:
         """Return which sheet a pose is on, a new one if it is on none; None where no cell is."""
         leads = list(self._leads(start)) or list(self._leads(start, _SOME_STEPS))
@@ -152,9 +162,7 @@ class Sheets:
         """
         partition = self.area.mechanism.problem.partition
         rates = inward * partition.motor_scale
-        cell = self.area.size / [axis.size - 1 for axis in self._axes.values()]
-        motors = [self.area.mechanism.actuated.index(name) for name in self.area.names]
-        longest = float(np.max(np.abs(rates[motors]) / cell))
+        longest = float(np.max(np.abs(rates[self.area.motors]) / self.cell))
         strides = np.array(_CELLS_AWAY)[:, None] * rates / longest
         values = self.area.mechanism.coordinates.values_of(q, partition.actuated)
         start = np.broadcast_to(q, (len(strides), q.size))
@@ -184,18 +192,22 @@ class Sheets:
         self, pose: Configuration, steps: int = _STEPS_TO_CELLS
     ) -> Iterator[tuple[int, Array]]:
         """Yield the cells near a pose that straight paths from it reach, and q there."""
-        place = self.area.places(pose.q)
-        away = np.linalg.norm((self._values - place) / self.area.size, axis=-1).ravel()
-        near = np.argsort(away, kind="stable")[:_CELLS_NEAR]
-        motors = self.area.mechanism.actuated
-        targets = np.tile(pose.actuated, (near.size, 1))
-        for k, name in enumerate(self.area.names):
-            targets[:, motors.index(name)] = self._values[..., k].ravel()[near]
+        near = self.area.nearest(self._values, self.area.places(pose.q), _CELLS_NEAR)
         start = np.broadcast_to(pose.q, (near.size, pose.q.size))
-        reached = self._many._toward(targets, start, "motors", steps, threads=1)
+        places = self._values.reshape(-1, 2)[near]
+        reached = self.walked(start, places, limits="motors", steps=steps)
         for cell, q, status in zip(near.tolist(), reached.q, reached.status, strict=True):
             if status == Status.CLOSED:
                 yield cell, q
+
+    def walked(
+        self, start: Array, places: Array, *, limits: Literal["motors", "none"], steps: int
+    ) -> ManyClosed:
+        """Walk from closed poses (k, nq) straight to places (k, 2), other motors at rest."""
+        mechanism = self.area.mechanism
+        targets = mechanism.coordinates.values_of(start, mechanism.problem.partition.actuated)
+        targets[:, self.area.motors] = places
+        return self._many._toward(targets, start, limits, steps, threads=1)
 
     def border_seeds(self, sheet: SliceSheet, equations: SingularEquations) -> Iterator[Array]:
         """Yield q near which the sheets' own K* may lose rank: on their borders, in valleys."""

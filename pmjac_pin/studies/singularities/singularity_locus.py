@@ -12,9 +12,9 @@ from pmjac_pin.errors import ArgumentError, did_you_mean, quoted
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.studies.evidence import Evidence
 from pmjac_pin.studies.modes.find import assembly_modes
-from pmjac_pin.studies.singularities.charts import Chart, chart
+from pmjac_pin.studies.singularities.charts import Chart, chart, slice_pose
 from pmjac_pin.studies.singularities.curve_crossings import curve_crossings, curve_touchings
-from pmjac_pin.studies.singularities.curve_tracing import OnCurve, Traced, Tracer
+from pmjac_pin.studies.singularities.curve_tracing import OnCurve, Traced
 from pmjac_pin.studies.singularities.cusps import cusps
 from pmjac_pin.studies.singularities.locus import (
     LocusCurve,
@@ -23,6 +23,7 @@ from pmjac_pin.studies.singularities.locus import (
     SingularityLocus,
 )
 from pmjac_pin.studies.singularities.locus_finding import LocusFinding
+from pmjac_pin.studies.singularities.plane_curve import PlaneCurve, place_rate
 from pmjac_pin.studies.singularities.sheets import Sheets, as_grid
 from pmjac_pin.studies.singularities.singular_equations import Freed, SingularEquations
 from pmjac_pin.values.arrays import Array, norm
@@ -97,9 +98,7 @@ def singularity_locus(
     (True, 2)
     """
     check_kind(mechanism, Mechanism)
-    start = mechanism.pose(at) if isinstance(at, str) else at
-    if not isinstance(start, Configuration) or start.mechanism != mechanism:
-        raise ArgumentError(f"`at` is a pose of the mechanism or its name, got {quoted(at)}")
+    start = slice_pose(mechanism, at, "at")
     given = None if kinds is None else _checked_kinds(kinds)
     grid = as_grid(cells)
     drawn = chart(plane, start, window)
@@ -168,37 +167,13 @@ def _over_the_folds(folds: LocusFinding, equations: SingularEquations) -> None:
 def _locus(
     drawn: Chart, sheets: Sheets, found: Sequence[LocusFinding], cells: int
 ) -> SingularityLocus:
-    curves: list[Traced] = []
-    tracers: list[Tracer] = []
-    told: list[LocusCurve] = []
-    points: list[LocusPoint] = []
-    for finding in found:
-        for curve in finding.curves:
-            if finding.stays(curve):
-                points.append(_special("isolated point", drawn, curve.q[0], (), finding.kind))
-                continue
-            number = (len(curves),)
-            curves.append(curve)
-            tracers.append(finding.tracer)
-            told.append(_told(drawn, finding, curve))
-            points += [
-                _special("branch point", drawn, end.point.q, number, finding.kind)
-                for end in _ends_in_branch_points(curve)
-            ]
-            if finding.equations is drawn.folds:
-                turning = cusps(finding.tracer, finding.equations, curve)
-                points += [_special("cusp", drawn, one.q, number, finding.kind) for one in turning]
-        points += [
-            _special("isolated point", drawn, one.q, (), finding.kind) for one in finding.isolated
-        ]
-    for one in curve_crossings(tracers, curves):
-        mark: LocusMark = "branch point" if one.meets else "crossing"
-        kind = told[one.curves[0]].kind
-        points.append(_special(mark, drawn, one.first.q, one.curves, kind))
-    for one in curve_touchings(tracers, curves):
-        touch: LocusMark = "branch point" if one.meets else "touching"
-        kind = told[one.curves[0]].kind
-        points.append(_special(touch, drawn, one.first.q, one.curves, kind))
+    moving = [(finding, curve) for finding in found for curve in finding.moving]
+    told = [_told(drawn, finding, curve.traced) for finding, curve in moving]
+    alone = [
+        _special("isolated point", drawn, one.q, (), finding.kind)
+        for finding in found
+        for one in finding.isolated
+    ]
     area = drawn.area
     return SingularityLocus(
         at=drawn.at,
@@ -208,13 +183,38 @@ def _locus(
         lower=drawn.in_world(area.lower),
         upper=drawn.in_world(area.upper),
         curves=tuple(told),
-        points=tuple(points),
+        points=(*_on_curves(drawn, moving), *alone, *_where_curves_meet(drawn, moving)),
         modes=tuple(
             drawn.at.mechanism.configuration(drawn.original(sheet.start.q))
             for sheet in sheets.known
         ),
         evidence=_locus_evidence(told, sheets, cells, drawn.in_tool_space),
     )
+
+
+def _on_curves(
+    drawn: Chart, moving: Sequence[tuple[LocusFinding, PlaneCurve]]
+) -> Iterator[LocusPoint]:
+    """Yield the special points that each curve has by itself."""
+    for number, (finding, curve) in enumerate(moving):
+        for end in _ends_in_branch_points(curve.traced):
+            yield _special("branch point", drawn, end.point.q, (number,), finding.kind)
+        if finding.equations is drawn.folds:
+            for one in cusps(finding.tracer, finding.equations, curve.traced):
+                yield _special("cusp", drawn, one.q, (number,), finding.kind)
+
+
+def _where_curves_meet(
+    drawn: Chart, moving: Sequence[tuple[LocusFinding, PlaneCurve]]
+) -> Iterator[LocusPoint]:
+    """Yield where curves cross, and then where they touch."""
+    curves = [curve for _, curve in moving]
+    marks: tuple[LocusMark, LocusMark] = ("crossing", "touching")
+    for mark, met in zip(marks, (curve_crossings(curves), curve_touchings(curves)), strict=True):
+        for one in met:
+            kind = moving[one.curves[0]][0].kind
+            told: LocusMark = "branch point" if one.meets else mark
+            yield _special(told, drawn, one.first.q, one.curves, kind)
 
 
 def _ends_in_branch_points(curve: Traced) -> Iterator[OnCurve]:
@@ -231,18 +231,14 @@ def _special(
 
 
 def _told(drawn: Chart, finding: LocusFinding, curve: Traced) -> LocusCurve:
-    area, equations = finding.area, finding.equations
-    partition = equations.partition
-    stride = partition.length * partition.column_scale[area.columns]
-    tangents = np.array([one.tangent[area.columns] for one in curve.points])
     return LocusCurve(
         kind=finding.kind,
-        places=drawn.in_world(area.places(curve.q)),
+        places=drawn.in_world(drawn.area.places(curve.q)),
         q=drawn.original(curve.q),
-        directions=tangents * stride,
+        directions=np.array([place_rate(finding.tracer, one) for one in curve.points]),
         is_closed=curve.is_closed,
         modes=finding.modes_of(curve),
-        residual=max(norm(equations.residual(one.point)) for one in curve.points),
+        residual=max(norm(finding.equations.residual(one.point)) for one in curve.points),
         complete=not {"lost", "long"} & set(curve.ends),
         branches=len(list(_ends_in_branch_points(curve))),
     )

@@ -6,14 +6,15 @@ import contextlib
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from numpy.typing import NDArray
 
 from pmjac_pin.batches.pieces import Progress, interrupted
 from pmjac_pin.batches.results import Status
-from pmjac_pin.errors import ArgumentError, quoted
+from pmjac_pin.errors import ArgumentError
 from pmjac_pin.mechanism import Mechanism
+from pmjac_pin.studies.datasets import Dataset, dataset
 from pmjac_pin.studies.evidence import Evidence
 from pmjac_pin.studies.sweep.hands import Hands
 from pmjac_pin.studies.sweep.points import Points, Region
@@ -21,12 +22,7 @@ from pmjac_pin.studies.sweep.question import identity, question
 from pmjac_pin.studies.sweep.store import MARK, Store, packages
 from pmjac_pin.studies.sweep.variables import VARIABLES
 from pmjac_pin.studies.sweep.work import SweepWork
-from pmjac_pin.values.checks import as_flag
-
-if TYPE_CHECKING:
-    from xarray import Dataset
-else:
-    Dataset = Any
+from pmjac_pin.values.checks import as_count, as_flag
 
 _MOST_IN_MEMORY = 10**7  # points: some hundred bytes each
 
@@ -112,10 +108,10 @@ def sweep(
     resume = as_flag(resume, "resume")
     points = _points_asked(over, samples)
     work, machine = question(mechanism, points, measures, guess, enforce_limits)
-    shape = points.chunk(_at_least_one(chunk, "chunk"))
+    shape = points.chunk(as_count(chunk, "`chunk`"))
     regions, processes = points.regions(shape), os.cpu_count() or 1
     if workers is not None:
-        processes = _at_least_one(workers, "workers")
+        processes = as_count(workers, "`workers`")
     hands = Hands(client, min(processes, len(regions)), progress)
     what = identity(work, machine, shape)
     if out is None:
@@ -175,12 +171,6 @@ def _points_asked(over: object, samples: object) -> Points:
     return Points.samples(samples) if over is None else Points.grid(over)
 
 
-def _at_least_one(given: object, what: str) -> int:
-    if not isinstance(given, int) or isinstance(given, bool) or given < 1:
-        raise ArgumentError(f"`{what}` is a number, 1 or more, got {quoted(given)}")
-    return given
-
-
 def _in_memory(
     arrays: Mapping[str, NDArray[Any]], work: SweepWork, regions: list[Region], hands: Hands
 ) -> None:
@@ -215,6 +205,4 @@ def _dataset(
     variables = {
         name: ((*points.dims, *VARIABLES[name].dims), array) for name, array in arrays.items()
     }
-    xarray, _ = packages()
-    found: Dataset = xarray.Dataset({**variables, **values}, attrs=attributes)
-    return found
+    return dataset({**variables, **values}, {}, attributes)

@@ -7,7 +7,7 @@ pose that is not certain is none: its status says why, and its numbers are NaN.
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from itertools import product
 
@@ -15,7 +15,13 @@ import numpy as np
 
 from pmjac_pin.algebra.arrays import Numbers
 from pmjac_pin.algebra.program_text import C_WORDS, c_function, function_name, in_comment
-from pmjac_pin.studies.transmissions.c_templates import ALGEBRA, FILE_HEAD, INTERPOLATION, POSES
+from pmjac_pin.studies.transmissions.c_templates import (
+    ALGEBRA,
+    FILE_HEAD,
+    INTERPOLATION,
+    POSES,
+    filled,
+)
 from pmjac_pin.studies.transmissions.fitted_polynomial import c_polynomial, fitted_polynomial
 from pmjac_pin.studies.transmissions.newton_program import NewtonProgram
 from pmjac_pin.studies.transmissions.sheet import Sheet
@@ -89,21 +95,14 @@ def c_header(parts: HeaderParts, name: str | None, head: Iterable[str]) -> str:
     comment = "\n".join(["/*", *(f" * {line}" for line in lines)])
     sections = [
         comment,
-        _filled(FILE_HEAD, words),
+        filled(FILE_HEAD, words),
         *_arrays(parts, called),
-        _filled(INTERPOLATION[len(parts.sheet.axes)], words),
+        filled(INTERPOLATION[len(parts.sheet.axes)], words),
         *_programs(parts.program, called),
-        _filled(ALGEBRA[len(parts.sheet.axes)], words),
-        _filled(POSES, words),
+        filled(ALGEBRA[len(parts.sheet.axes)], words),
+        filled(POSES, words),
     ]
     return "\n".join(sections)
-
-
-def _filled(template: str, words: Mapping[str, str]) -> str:
-    """Return a template with its words, each between @."""
-    for word, text in words.items():
-        template = template.replace(f"@{word}@", text)
-    return template
 
 
 def _programs(program: NewtonProgram, name: str) -> Iterator[str]:

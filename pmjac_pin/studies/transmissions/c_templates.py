@@ -2,6 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
+
+def filled(template: str, words: Mapping[str, str]) -> str:
+    """Return a template with its words, each between @."""
+    for word, text in words.items():
+        template = template.replace(f"@{word}@", text)
+    return template
+
+
 FILE_HEAD = """ *
  *     @name@_pose pose;
  *     if (@name@_at_joints(joints, &pose) == @NAME@_OK)
@@ -137,7 +147,7 @@ ALGEBRA = {
 """,
 }
 
-POSES = """static inline int @name@_failed(@name@_pose *pose, int status)
+_POSES = """static inline int @name@_failed(@name@_pose *pose, int status)
 {
     int k;
     for (k = 0; k < @n@; ++k)
@@ -305,58 +315,43 @@ static inline int @name@_at_motors(const double theta[@n@], @name@_pose *pose)
     @name@_search(theta, x);
     return @name@_from(x, theta, pose);
 }
-
-/* Rates of the motors: ratio times those of the joints. */
-static inline void @name@_motor_rates(
-    const @name@_pose *pose, const double joint_rates[@n@], double motor_rates[@n@])
-{
-    int i, k;
-    for (i = 0; i < @n@; ++i) {
-        double sum = 0.0;
-        for (k = 0; k < @n@; ++k)
-            sum += pose->ratio[@n@ * i + k] * joint_rates[k];
-        motor_rates[i] = sum;
-    }
-}
-
-/* Rates of the joints. */
-static inline void @name@_joint_rates(
-    const @name@_pose *pose, const double motor_rates[@n@], double joint_rates[@n@])
-{
-    int i, k;
-    for (i = 0; i < @n@; ++i) {
-        double sum = 0.0;
-        for (k = 0; k < @n@; ++k)
-            sum += pose->inverse[@n@ * i + k] * motor_rates[k];
-        joint_rates[i] = sum;
-    }
-}
-
-/* Efforts of the motors that do what efforts of the joints would. */
-static inline void @name@_motor_efforts(
-    const @name@_pose *pose, const double joint_efforts[@n@], double motor_efforts[@n@])
-{
-    int i, k;
-    for (i = 0; i < @n@; ++i) {
-        double sum = 0.0;
-        for (k = 0; k < @n@; ++k)
-            sum += pose->inverse[@n@ * k + i] * joint_efforts[k];
-        motor_efforts[i] = sum;
-    }
-}
-
-/* Efforts of the joints: ratio, transposed, times those of the motors. */
-static inline void @name@_joint_efforts(
-    const @name@_pose *pose, const double motor_efforts[@n@], double joint_efforts[@n@])
-{
-    int i, k;
-    for (i = 0; i < @n@; ++i) {
-        double sum = 0.0;
-        for (k = 0; k < @n@; ++k)
-            sum += pose->ratio[@n@ * k + i] * motor_efforts[k];
-        joint_efforts[i] = sum;
-    }
-}
-
-#endif
 """
+
+_PRODUCT = """
+/* @what@ */
+static inline void @name@_@result@(
+    const @name@_pose *pose, const double @given@[@n@], double @result@[@n@])
+{
+    int i, k;
+    for (i = 0; i < @n@; ++i) {
+        double sum = 0.0;
+        for (k = 0; k < @n@; ++k)
+            sum += pose->@entry@ * @given@[k];
+        @result@[i] = sum;
+    }
+}
+"""
+
+
+def _product(result: str, entry: str, what: str) -> str:
+    side, of = result.split("_")
+    given = f"{'joint' if side == 'motor' else 'motor'}_{of}"
+    return filled(_PRODUCT, {"result": result, "entry": entry, "given": given, "what": what})
+
+
+_ROW, _COLUMN = "[@n@ * i + k]", "[@n@ * k + i]"  # of a matrix, and of its transpose
+_WHAT_PRODUCTS_ARE = (
+    ("motor_rates", f"ratio{_ROW}", "Rates of the motors: ratio times those of the joints."),
+    ("joint_rates", f"inverse{_ROW}", "Rates of the joints."),
+    (
+        "motor_efforts",
+        f"inverse{_COLUMN}",
+        "Efforts of the motors that do what efforts of the joints would.",
+    ),
+    (
+        "joint_efforts",
+        f"ratio{_COLUMN}",
+        "Efforts of the joints: ratio, transposed, times those of the motors.",
+    ),
+)
+POSES = "".join([_POSES, *(_product(*one) for one in _WHAT_PRODUCTS_ARE), "\n#endif\n"])

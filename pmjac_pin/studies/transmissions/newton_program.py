@@ -16,10 +16,9 @@ from functools import cached_property
 import numpy as np
 
 from pmjac_pin.algebra.arrays import Numbers
+from pmjac_pin.algebra.named_outputs import named_outputs
 from pmjac_pin.algebra.programs import PROGRAMS, Recording, Term, objects, zeros
 from pmjac_pin.algebra.tangents import tangents
-from pmjac_pin.algebra.tape import Tape
-from pmjac_pin.algebra.tape_runner import run
 from pmjac_pin.closing.recorded_rates import RecordedRates
 from pmjac_pin.errors import ArgumentError
 from pmjac_pin.kinematics.joint_steps import entry_rates, moved_by
@@ -152,15 +151,8 @@ class NewtonProgram:
 
     def run(self, outputs: Mapping[str, Numbers], q: Array) -> dict[str, Array]:
         """Return outputs (b, ...) at rows of q, shape (b, nq)."""
-        terms = [term for array in outputs.values() for term in array.ravel()]
         wanted = np.zeros((len(q), self.followers.size))
-        values = run(Tape.of(self.recording, terms), np.hstack([q, wanted]).T.copy()).T
-        ends = np.cumsum([array.size for array in outputs.values()])
-        parts = np.split(values, ends[:-1], axis=1)
-        return {
-            name: part.reshape(len(q), *array.shape)
-            for (name, array), part in zip(outputs.items(), parts, strict=True)
-        }
+        return named_outputs(self.recording, outputs, np.hstack([q, wanted]))
 
     def polished(self, q: Array, x: Array) -> Array:
         """Return closed poses near rows of q (b, nq), by Newton's steps.

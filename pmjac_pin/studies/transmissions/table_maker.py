@@ -17,6 +17,7 @@ from pmjac_pin.studies.transmissions.sheet import Sheet
 from pmjac_pin.studies.transmissions.transmission_map import TransmissionMap
 from pmjac_pin.studies.transmissions.transmission_table import TransmissionTable
 from pmjac_pin.values.arrays import Array
+from pmjac_pin.values.brief import with_names
 from pmjac_pin.values.checks import as_flag
 
 _BETWEEN = (0.25, 0.5, 0.75)  # of a cell, where an error is looked for
@@ -121,9 +122,7 @@ def _check_regular(found: TransmissionMap, x: Array, rates: RatesTold) -> None:
     sign = np.sign(np.linalg.det(found.ratio.reshape(-1, *rates.ratio.shape[1:])[0]))
     wrong = ~(rates.regular & rates.allowed & (np.sign(np.linalg.det(rates.ratio)) == sign))
     for row in x[wrong][:1].tolist():
-        where = ", ".join(
-            f"{name}={value:.6g}" for name, value in zip(found.joints, row, strict=True)
-        )
+        where = with_names(found.joints, row)
         raise ArgumentError(f"the transmission is singular inside {found.rectangle}, near {where}")
 
 

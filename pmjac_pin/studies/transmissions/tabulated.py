@@ -1,12 +1,14 @@
-"""Tabulated: exact values at the points of a table, as files."""
+"""Exact values at the points of a table, as files."""
 
 from __future__ import annotations
 
 import csv
 import io
-from dataclasses import dataclass
+from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pmjac_pin.model.coordinates import JointCoordinates
 from pmjac_pin.values.arrays import Array, Index
@@ -14,68 +16,29 @@ from pmjac_pin.values.arrays import Array, Index
 TABLE_SUFFIXES = (".h", ".npz", ".csv")
 
 
-@dataclass(frozen=True, eq=False)
-class Tabulated:
-    """A transmission at the points of a grid.
+def encoded(arrays: Mapping[str, NDArray[Any]], suffix: str) -> bytes:
+    """Return the contents of a file, .npz or .csv, of what `TransmissionTable.tabulated` tells."""
+    return {".npz": _npz, ".csv": _csv}[suffix](arrays)
 
-    Attributes
-    ----------
-    joints, motors : tuple of str
-    axes : tuple of ndarray
-        Joint values, m or rad.
-    motor_values : ndarray, shape (*grid, n)
-        θ, m or rad.
-    ratio : ndarray, shape (*grid, n, n)
-        ∂θ/∂x.
-    twist : ndarray, shape (*grid, n), or None
-        ∂²θ/∂x₁∂x₂, of two joints.
-    error, lower, upper : ndarray
-        As of `TransmissionTable`.
-    evidence : str
-    """
 
-    joints: tuple[str, ...]
-    motors: tuple[str, ...]
-    axes: tuple[Array, ...]
-    motor_values: Array
-    ratio: Array
-    twist: Array | None
-    error: Array
-    lower: Array
-    upper: Array
-    evidence: str
+def _npz(arrays: Mapping[str, NDArray[Any]]) -> bytes:
+    contents = io.BytesIO()
+    np.savez(contents, **arrays)  # type: ignore[arg-type]
+    return contents.getvalue()
 
-    def encoded(self, suffix: str) -> bytes:
-        """Return the contents of a file, .npz or .csv."""
-        return {".npz": self._npz, ".csv": self._csv}[suffix]()
 
-    def _npz(self) -> bytes:
-        contents = io.BytesIO()
-        arrays = {
-            "joints": np.array(self.joints),
-            "motors": np.array(self.motors),
-            **{f"axis{k}": axis for k, axis in enumerate(self.axes)},
-            "motor_values": self.motor_values,
-            "ratio": self.ratio,
-            **({} if self.twist is None else {"twist": self.twist}),
-            "error": self.error,
-            "lower": self.lower,
-            "upper": self.upper,
-            "evidence": np.array(self.evidence),
-        }
-        np.savez(contents, **arrays)  # type: ignore[arg-type]
-        return contents.getvalue()
-
-    def _csv(self) -> bytes:
-        contents = io.StringIO()
-        writer = csv.writer(contents, lineterminator="\n")
-        rates = [f"d{motor}/d{joint}" for motor in self.motors for joint in self.joints]
-        writer.writerow([*self.joints, *self.motors, *rates])
-        joints = np.stack(np.meshgrid(*self.axes, indexing="ij"), axis=-1)
-        columns = [joints, self.motor_values, self.ratio]
-        rows = np.hstack([column.reshape(joints[..., 0].size, -1) for column in columns])
-        writer.writerows(rows.tolist())
-        return contents.getvalue().encode()
+def _csv(arrays: Mapping[str, NDArray[Any]]) -> bytes:
+    contents = io.StringIO()
+    writer = csv.writer(contents, lineterminator="\n")
+    motors, joints = arrays["motors"].tolist(), arrays["joints"].tolist()
+    rates = [f"d{motor}/d{joint}" for motor in motors for joint in joints]
+    writer.writerow([*joints, *motors, *rates])
+    axes = [arrays[f"axis{k}"] for k in range(len(joints))]
+    points = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
+    columns = [points, arrays["motor_values"], arrays["ratio"]]
+    rows = np.hstack([column.reshape(points[..., 0].size, -1) for column in columns])
+    writer.writerows(rows.tolist())
+    return contents.getvalue().encode()
 
 
 def twist_of(coordinates: JointCoordinates, columns: Index, flat: Array) -> Array:

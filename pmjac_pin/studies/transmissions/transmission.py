@@ -22,6 +22,7 @@ from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.rates.jacobian import EquivalentJacobian
 from pmjac_pin.rates.polytope import Polytope, image_of_box
 from pmjac_pin.values.arrays import Array, Index, read_only
+from pmjac_pin.values.brief import with_names
 from pmjac_pin.values.checks import as_limits, as_numbers, as_vector, check_kind
 
 _PART_OF_IDLE = 1e-9  # of an idle motion: a motor that moves more takes part in it
@@ -208,11 +209,7 @@ class Geared:
         return values if values.shape == (count, count) else np.diag(self._vector(given, what))
 
     def __repr__(self) -> str:
-        joints = ", ".join(
-            f"{name}={value:.6g}"
-            for name, value in zip(self.transmission.joints, self.joints, strict=True)
-        )
-        return f"Geared({joints})"
+        return f"Geared({with_names(self.transmission.joints, self.joints)})"
 
 
 def transmission(mechanism: Mechanism, joints: Iterable[str]) -> Transmission:

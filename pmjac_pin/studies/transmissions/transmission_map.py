@@ -16,6 +16,7 @@ from pmjac_pin.errors import ArgumentError
 from pmjac_pin.studies.transmissions.rectangle import Rectangle, largest_block
 from pmjac_pin.studies.transmissions.transmission import Transmission
 from pmjac_pin.values.arrays import Array, Index, Mask, ReadOnlyArrays
+from pmjac_pin.values.brief import with_names
 from pmjac_pin.values.checks import as_limits, as_numbers, as_vector
 
 
@@ -149,8 +150,8 @@ class TransmissionMap(ReadOnlyArrays):
         raise ArgumentError(f"{message}; it exists for {within}")
 
     def _place(self, index: Index) -> str:
-        known = zip(self.joints, self.axes, index.tolist(), strict=True)
-        return ", ".join(f"{name}={float(axis[k]):.6g}" for name, axis, k in known)
+        values = (float(axis[k]) for axis, k in zip(self.axes, index.tolist(), strict=True))
+        return with_names(self.joints, values)
 
     def _named(self) -> str:
         return f"a transmission from {', '.join(self.transmission.motors)}"

@@ -5,9 +5,10 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from pmjac_pin.errors import ArgumentError, OutputError
 from pmjac_pin.files.output_file import check_new, write_files
@@ -17,11 +18,11 @@ from pmjac_pin.studies.transmissions.c_header import HeaderParts, c_header
 from pmjac_pin.studies.transmissions.newton_program import NewtonProgram
 from pmjac_pin.studies.transmissions.rectangle import Rectangle
 from pmjac_pin.studies.transmissions.sheet import Sheet
-from pmjac_pin.studies.transmissions.tabulated import TABLE_SUFFIXES, Tabulated, twist_of
+from pmjac_pin.studies.transmissions.tabulated import TABLE_SUFFIXES, encoded, twist_of
 from pmjac_pin.studies.transmissions.transmission import Transmission
 from pmjac_pin.studies.transmissions.transmission_map import TransmissionMap
 from pmjac_pin.values.arrays import Array, ReadOnlyArrays
-from pmjac_pin.values.brief import at_most
+from pmjac_pin.values.brief import at_most, with_names
 from pmjac_pin.values.checks import as_flag, as_numbers
 
 
@@ -175,29 +176,31 @@ class TransmissionTable(ReadOnlyArrays):
             ends = ", ".join(TABLE_SUFFIXES)
             raise OutputError(f"{shown_path(output_path(path))}: a table's file ends in {ends}")
         check_new(path, force)
-        written = self.c(name) if suffix == ".h" else self.tabulated()
-        contents = written.encode() if isinstance(written, str) else written.encoded(suffix)
+        header = suffix == ".h"
+        contents = self.c(name).encode() if header else encoded(self.tabulated(), suffix)
         write_files({path: contents}, replace=force)
 
-    def tabulated(self) -> Tabulated:
-        """Return exact values at the points."""
+    def tabulated(self) -> dict[str, NDArray[Any]]:
+        """Return exact values at the points, and what the table says of itself: as in its .npz.
+
+        Of two joints `twist`, shape (*grid, n), is ∂²θ/∂x₁∂x₂.
+        """
         n, data = len(self.joints), self.sheet.data
         shape, flat = data.shape[:n], data.reshape(-1, *data.shape[n:])
         poses: Array = flat[:, 0] if n == 1 else flat[:, 0, 0]
         told = self.program.run({"ratio": self.program.step["ratio"]}, poses)
-        coordinates, columns = self.transmission.by_motors.coordinates, self.program.followers
-        return Tabulated(
-            joints=self.joints,
-            motors=self.motors,
-            axes=self.sheet.axes,
-            motor_values=self._motors(poses).reshape(*shape, n),
-            ratio=told["ratio"].reshape(*shape, n, n),
-            twist=None if n == 1 else twist_of(coordinates, columns, flat).reshape(*shape, n),
-            error=self.error,
-            lower=self.lower,
-            upper=self.upper,
-            evidence=str(self.evidence),
-        )
+        found = {
+            "joints": np.array(self.joints),
+            "motors": np.array(self.motors),
+            **{f"axis{k}": axis for k, axis in enumerate(self.sheet.axes)},
+            "motor_values": self._motors(poses).reshape(*shape, n),
+            "ratio": told["ratio"].reshape(*shape, n, n),
+        }
+        if n > 1:
+            coordinates, columns = self.transmission.by_motors.coordinates, self.program.followers
+            found["twist"] = twist_of(coordinates, columns, flat).reshape(*shape, n)
+        bounds = {"error": self.error, "lower": self.lower, "upper": self.upper}
+        return {**found, **bounds, "evidence": np.array(str(self.evidence))}
 
     def said(self) -> Iterator[str]:
         """Yield what the table is of and what it rests on, line by line."""
@@ -226,8 +229,7 @@ class TransmissionTable(ReadOnlyArrays):
         rows, (lower, upper) = values.reshape(-1, n), (self.rectangle.lower, self.rectangle.upper)
         outside = np.flatnonzero(((rows < lower) | (rows > upper)).any(axis=1))
         if outside.size:
-            given = zip(self.joints, rows[outside[0]].tolist(), strict=True)
-            where = ", ".join(f"{name}={value:.6g}" for name, value in given)
+            where = with_names(self.joints, rows[outside[0]])
             raise ArgumentError(f"{where} is outside the table, which is for {self.rectangle}")
         return rows, values.shape
 

@@ -11,16 +11,16 @@ from pmjac_pin.algebra.one_thread import on_one_thread
 from pmjac_pin.batches.batch import Batch
 from pmjac_pin.batches.results import Status
 from pmjac_pin.configuration import Configuration
-from pmjac_pin.errors import ArgumentError, quoted
+from pmjac_pin.errors import ArgumentError
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.studies.assembled_poses import assembled_poses
 from pmjac_pin.studies.evidence import Evidence
-from pmjac_pin.studies.singularities.charts import Chart, chart
-from pmjac_pin.studies.singularities.curve_tracing import Traced, Tracer
+from pmjac_pin.studies.singularities.charts import Chart, chart, slice_pose
 from pmjac_pin.studies.singularities.joint_limits import limited, within_joint_limits
 from pmjac_pin.studies.singularities.locus_finding import LocusFinding
+from pmjac_pin.studies.singularities.plane_curve import PlaneCurve
 from pmjac_pin.studies.singularities.plane_names import TOOL_AXES
-from pmjac_pin.studies.singularities.sheets import Sheets, SliceSheet, as_grid
+from pmjac_pin.studies.singularities.sheets import Sheets, SliceSheet, as_grid, beside
 from pmjac_pin.studies.workspaces.border_checks import what_is_open
 from pmjac_pin.studies.workspaces.border_pieces import SmoothPiece, border, pieces
 from pmjac_pin.studies.workspaces.limit_equations import LimitEquations
@@ -93,32 +93,29 @@ def workspace(
     8.60844
     """
     check_kind(mechanism, Mechanism)
-    start = mechanism.pose(mode) if isinstance(mode, str) else mode
-    if not isinstance(start, Configuration) or start.mechanism != mechanism:
-        raise ArgumentError(f"`mode` is a pose of the mechanism or its name, got {quoted(mode)}")
-    grid = as_grid(cells)
-    name = None if measure is None else checked_measure(measure)
+    start = slice_pose(mechanism, mode, "mode")
+    grid, whose = as_grid(cells), as_flag(limits, "limits")
+    name = "" if measure is None else checked_measure(measure)
     drawn = chart(plane, start, window)
     sheets = Sheets(drawn.area, grid, limits=False)
     number = sheets.add(drawn.lifted(start))
     if number is None:
         raise ArgumentError("no cell of the grid is reached: name a window around the pose")
-    region = _Region(drawn, sheets.known[number], limits=as_flag(limits, "limits"))
+    region = _Region(drawn, sheets, sheets.known[number], limits=whose)
     found = _traced_border(drawn, sheets, region) if as_flag(trace, "trace") else ()
-    cell = drawn.area.size / (cells - 1.0)
-    wrong = what_is_open(found, region.beside(), float(region.reached.sum()), cell, drawn.in_world)
-    axes = tuple(drawn.area.axes(grid).values())
+    wrong = _what_is_wrong(found, region)
+    first, second = drawn.area.axes(grid).values()
     return Workspace(
         at=start,
         plane=drawn.area.names,
         units=drawn.area.units,
         held=drawn.held,
         mode=_mode_name(drawn, sheets, number),
-        first=axes[0] + drawn.origin[0],
-        second=axes[1] + drawn.origin[1],
+        first=first + drawn.origin[0],
+        second=second + drawn.origin[1],
         reached=region.reached,
         q=np.where(region.reached[..., None], drawn.original(region.sheet.cells.q), np.nan),
-        measure=name or "",
+        measure=name,
         values=_values(drawn, region, name),
         border=tuple(BorderPiece(drawn.in_world(one.places), one.what) for one in found),
         area=float("nan") if wrong else sum(one.area() for one in found),
@@ -129,9 +126,8 @@ def workspace(
 class _Region:
     """The cells of a sheet that are within limits and hang together with its start."""
 
-    def __init__(self, drawn: Chart, sheet: SliceSheet, *, limits: bool) -> None:
-        self.drawn, self.sheet, self._limits = drawn, sheet, limits
-        self._many = Batch(drawn.area.mechanism)
+    def __init__(self, drawn: Chart, sheets: Sheets, sheet: SliceSheet, *, limits: bool) -> None:
+        self.drawn, self.sheet, self.sheets, self._limits = drawn, sheet, sheets, limits
         self.reached = self._connected()
         cells = np.flatnonzero(self.reached.ravel())
         self._q = sheet.cells.q.reshape(-1, sheet.cells.q.shape[-1])[cells]
@@ -150,21 +146,14 @@ class _Region:
         area = self.drawn.area
         if not bool(area.inside(place)):
             return False
-        away = np.linalg.norm((self._places - place) / area.size, axis=1)
-        near = np.argsort(away, kind="stable")[:_CELLS_TRIED]
-        motors = [area.mechanism.actuated.index(name) for name in area.names]
-        start, actuated = self._q[near], area.mechanism.problem.partition.actuated
-        targets = area.mechanism.coordinates.values_of(start, actuated)
-        targets[:, motors] = place
-        found = self._many._toward(targets, start, "none", _STEPS_TO_BORDER, threads=1)
+        start = self._q[area.nearest(self._places, place, _CELLS_TRIED)]
+        found = self.sheets.walked(start, place, limits="none", steps=_STEPS_TO_BORDER)
         closed = found.q[found.status == Status.CLOSED]
         return bool(self.within(closed).any())
 
     def beside(self) -> Array:
         """Return the places (k, 2) of cells beside one that is not reached."""
-        out = np.pad(~self.reached, 1)
-        near = out[:-2, 1:-1] | out[2:, 1:-1] | out[1:-1, :-2] | out[1:-1, 2:]
-        return self.drawn.area.places(self.sheet.cells.q[self.reached & near])
+        return self.drawn.area.places(self.sheet.cells.q[self.reached & beside(~self.reached)])
 
     def _connected(self) -> Mask:
         from scipy.ndimage import label  # noqa: PLC0415 - with the first workspace
@@ -180,29 +169,29 @@ class _Region:
         return np.asarray(parts == parts.ravel()[int(np.argmin(away))])
 
 
+def _what_is_wrong(found: Sequence[SmoothPiece], region: _Region) -> str:
+    """Return what is wrong with a region's border; empty where nothing is."""
+    cells, in_world = float(region.reached.sum()), region.drawn.in_world
+    return what_is_open(found, region.beside(), cells, region.sheets.cell, in_world)
+
+
 def _traced_border(drawn: Chart, sheets: Sheets, region: _Region) -> tuple[SmoothPiece, ...]:
     """Return the border of a region, in pieces."""
-    curves: list[Traced] = []
-    tracers: list[Tracer] = []
-    names: list[str] = []
+    named: list[tuple[str, PlaneCurve]] = []
     if drawn.folds is not None:
         folds = LocusFinding(drawn.area, drawn.folds, sheets, drawn.fold_kind)
         folds.seek(sheets.border_seeds(region.sheet, drawn.folds))
-        curves = [curve for curve in folds.curves if not folds.stays(curve)]
-        tracers, names = [folds.tracer] * len(curves), [str(drawn.fold_kind)] * len(curves)
+        named += [(str(drawn.fold_kind), curve) for curve in folds.moving]
     if region._limits:
-        for name, curve, tracer in _limit_curves(drawn, sheets, region):
-            names.append(name)
-            curves.append(curve)
-            tracers.append(tracer)
-    size = drawn.area.size
-    found = [*pieces(tracers, curves, names), *_window_pieces(drawn, curves)]
-    return border(found, size, region)
+        named += _limit_curves(drawn, sheets, region)
+    names, curves = [name for name, _ in named], [curve for _, curve in named]
+    found = [*pieces(curves, names), *_window_pieces(drawn, curves)]
+    return border(found, drawn.area.size, region)
 
 
 def _limit_curves(
     drawn: Chart, sheets: Sheets, region: _Region
-) -> Iterator[tuple[str, Traced, Tracer]]:
+) -> Iterator[tuple[str, PlaneCurve]]:
     """Yield the curves at which a joint is at its limit, where the sheet has both sides of it."""
     mechanism, sheet = drawn.at.mechanism, region.sheet
     coordinates, driven = mechanism.coordinates, drawn.area.mechanism
@@ -219,14 +208,15 @@ def _limit_curves(
             finding = LocusFinding(drawn.area, equations, sheets, drawn.fold_kind)
             finding.seek(sheet.changes(away))
             for curve in finding.curves:
-                yield f"{name} at its {side} limit", curve, finding.tracer
+                yield f"{name} at its {side} limit", PlaneCurve.of(finding.tracer, curve)
 
 
-def _window_pieces(drawn: Chart, curves: Sequence[Traced]) -> Iterator[SmoothPiece]:
+def _window_pieces(drawn: Chart, curves: Sequence[PlaneCurve]) -> Iterator[SmoothPiece]:
     """Yield the sides of the window, cut where curves end on them."""
     area = drawn.area
     low, high = area.lower, area.upper
-    ends = [area.places(curve.q[[0, -1]]) for curve in curves if not curve.is_closed]
+    traced = [curve.traced for curve in curves if not curve.traced.is_closed]
+    ends = [area.places(one.q[[0, -1]]) for one in traced]
     stops = np.vstack([np.zeros((0, 2)), *ends])
     corners = np.array([low, [high[0], low[1]], high, [low[0], high[1]]])
     for first, last in zip(corners, np.roll(corners, -1, axis=0), strict=True):
@@ -242,9 +232,9 @@ def _window_pieces(drawn: Chart, curves: Sequence[Traced]) -> Iterator[SmoothPie
             yield SmoothPiece(places, np.tile(way, (3, 1)), "window")
 
 
-def _values(drawn: Chart, region: _Region, measure: str | None) -> Array:
+def _values(drawn: Chart, region: _Region, measure: str) -> Array:
     values = np.full(region.reached.shape, np.nan)
-    if measure is None:
+    if not measure:
         return values
     mechanism = drawn.at.mechanism
     rows = mechanism.problem.partition.tool_rows.linear

@@ -11,15 +11,10 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from scipy.optimize import brentq
 
+from pmjac_pin.studies.singularities.cubic_chain import wedge
 from pmjac_pin.studies.singularities.curve_crossings import Crossing
-from pmjac_pin.studies.singularities.curve_tracing import OnCurve, Traced, Tracer
-from pmjac_pin.studies.singularities.plane_curve import (
-    CurveChord,
-    PlaneCurve,
-    cubic_at,
-    pairs_of_curves,
-    wedge,
-)
+from pmjac_pin.studies.singularities.curve_tracing import OnCurve
+from pmjac_pin.studies.singularities.plane_curve import CurveChord, PlaneCurve, pairs_of_curves
 from pmjac_pin.values.arrays import Array, norm
 
 _ALMOST_ON = 0.05  # of a chord: chords tell well enough where those cross that are farther apart
@@ -29,16 +24,9 @@ _CLOSE = 1e-13  # of a chord
 _SIDES_APART = 1e-9  # of the window: what is nearer all along lies on each other, but for rounding
 
 
-def slanting_crossings(tracers: Sequence[Tracer], curves: Sequence[Traced]) -> Iterator[Crossing]:
-    """Yield where two curves cross at a small angle.
-
-    Parameters
-    ----------
-    tracers : sequence of Tracer
-        Of each curve.
-    curves : sequence of Traced
-    """
-    for (i, one), (j, other) in pairs_of_curves(tracers, curves):
+def slanting_crossings(curves: Sequence[PlaneCurve]) -> Iterator[Crossing]:
+    """Yield where two curves cross at a small angle."""
+    for (i, one), (j, other) in pairs_of_curves(curves):
         if i == j:
             continue
         for k, m in _changing_sides(one, other):
@@ -64,7 +52,7 @@ def _side(place: Array, curve: PlaneCurve) -> tuple[float, int]:
     m = int(np.argmin(away))
     if away[m] > curve.lengths[m]:
         return np.inf, m
-    there, rate = cubic_at(curve.places[m : m + 2], curve.ways[m : m + 2], float(shares[m]))
+    there, rate = curve.cubic(m, float(shares[m]))
     return wedge(rate, place - there) / norm(rate), m
 
 

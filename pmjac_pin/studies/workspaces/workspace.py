@@ -4,19 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.model.coordinates import entry_names
+from pmjac_pin.studies.datasets import Dataset, dataset
 from pmjac_pin.studies.evidence import Evidence
 from pmjac_pin.values.arrays import Array, Mask, ReadOnlyArrays
-
-if TYPE_CHECKING:
-    from xarray import Dataset
-else:
-    Dataset = Any
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,9 +88,6 @@ class Workspace(ReadOnlyArrays):
         MissingDependencyError
             xarray is not installed.
         """
-        from pmjac_pin.studies.sweep.store import packages  # noqa: PLC0415
-
-        xarray, _ = packages()
         variables: dict[str, Any] = {
             "reached": (self.plane, self.reached),
             "q": ((*self.plane, "entry"), self.q),
@@ -106,16 +99,14 @@ class Workspace(ReadOnlyArrays):
             self.plane[1]: self.second,
             "entry": list(entry_names(self.at.mechanism.model)),
         }
-        held = {f"held {name}": value for name, value in self.held.items()}
         attributes = {
             "mechanism": self.at.mechanism.name,
             "mode": self.mode,
             "area": self.area,
             "evidence": str(self.evidence),
-            **held,
+            **{f"held {name}": value for name, value in self.held.items()},
         }
-        found: Dataset = xarray.Dataset(variables, coordinates, attributes)
-        return found
+        return dataset(variables, coordinates, attributes)
 
     def __repr__(self) -> str:
         area = f"area {self.area:.6g}" if np.isfinite(self.area) else "border not closed"

@@ -1,0 +1,52 @@
+/* J_eq at many poses, LANES of them at a time, and where it is certain. Plain C99.
+ *
+ * Poses and what is found of them are rows, so that nothing is turned over and copied between a
+ * caller's arrays and a program's lanes. `Certainty` says what is asked of a program's numbers.
+ */
+#define LANES 64
+#include "../closing/walk.h"
+#include <float.h>
+
+/* What is asked of the numbers of a program: `certain_jacobians` of `batches/judge.py`. */
+typedef struct {
+    double tolerance, weakest, rank_tolerance, least_size, felt, spread;
+} Certainty;
+
+enum { OPEN_BY, INVERSE_OF, SIZE_OF, FORBIDDEN, FELT, TOOL, SPREAD, DOUBTS };
+
+INLINE int is_certain(const Certainty *asked, const Row *told, int at)
+{
+    double inverse = told[INVERSE_OF][at], size = told[SIZE_OF][at];
+    double forbidden = told[FORBIDDEN][at], zero = asked->rank_tolerance;
+    int regular = (asked->weakest * size + DBL_MIN) * inverse < 1.0
+        && zero * asked->least_size * inverse < 1.0;
+    int follows = forbidden <= zero * size || forbidden <= zero * asked->least_size;
+    return regular && follows && told[OPEN_BY][at] <= asked->tolerance
+        && told[FELT][at] <= asked->felt * told[TOOL][at] && told[SPREAD][at] > asked->spread;
+}
+
+/* From rows (count, nq) to rows (count, entries), numbers (more, count) that follow these in the
+ * program, and whether each is certain. */
+void pmjac_rates(
+    const Program *program, const Certainty *asked, const double *q, int64_t nq, int64_t count,
+    int64_t entries, int64_t more, double *J_eq, double *others, uint8_t *certain)
+{
+    const Row *told = program->outputs;
+    for (int64_t start = 0; start < count; start += LANES) {
+        int width = count - start < LANES ? (int)(count - start) : LANES;
+        for (int64_t k = 0; k < nq; k++)
+            for (int at = 0; at < LANES; at++)
+                program->inputs[k][at] = q[(start + (at < width ? at : width - 1)) * nq + k];
+        run_stage(program, 0);
+        for (int at = 0; at < width; at++) {
+            certain[start + at] = (uint8_t)is_certain(asked, told, at);
+            for (int64_t k = 0; k < entries; k++)
+                J_eq[(start + at) * entries + k] = told[DOUBTS + k][at];
+        }
+        for (int64_t k = 0; k < more; k++)
+            for (int at = 0; at < width; at++)
+                others[k * count + start + at] = told[DOUBTS + entries + k][at];
+    }
+}
+
+int pmjac_lanes(void) { return LANES; }
