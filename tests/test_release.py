@@ -47,6 +47,22 @@ def test_what_the_paper_cites_is_in_its_references():
     assert set(re.findall(r"@(\w+)", PAPER)) == set(keys)
 
 
+def test_the_paper_has_the_sections_and_the_length_that_its_journal_asks_for():
+    """https://joss.readthedocs.io/en/latest/paper.html"""
+    assert re.findall(r"^# (.*)$", PAPER.split("---\n", 2)[2], re.M) == [
+        "Summary",
+        "Statement of need",
+        "State of the field",
+        "Software design",
+        "Research impact statement",
+        "AI usage disclosure",
+        "Acknowledgements",
+        "References",
+    ]
+    prose = [line for line in PAPER.splitlines() if not line.startswith("|")]
+    assert 750 <= len(" ".join(prose).split()) <= 1750
+
+
 def without_numbers(cell):
     return re.sub(r"\d\S*", "#", cell.strip())
 

@@ -75,6 +75,16 @@ def test_links_stay_on_the_site(site):
             assert target in stage.MADE or (page.parent / target).exists(), (page, target)
 
 
+def test_links_to_elsewhere_are_whole_and_lead_somewhere_safe(site):
+    """Whether what they lead to is there, nothing here can ask."""
+    for page in [*site.glob("*.md"), ROOT / "paper.md"]:
+        prose = re.sub(r"^```.*?^```|`[^`\n]*`", "", page.read_text(), flags=re.M | re.S)
+        for target in re.findall(r"\]\(([a-z]+:[^)]*)\)", prose):
+            assert re.fullmatch(r"https://[\w-]+(\.[\w-]+)+(/[\w./#%~-]*)?", target), (page, target)
+        unlinked = re.sub(r"\]\([^)]*\)", "", prose)
+        assert not re.search(r"://|\b[\w-]+/[\w-]+#\d", unlinked), page
+
+
 def test_a_link_to_a_file_that_is_not_on_the_site_becomes_its_words():
     page = DOCS / "evidence.md"
     text = "[a test](../tests/conftest.py), [a page](reach.md#how), [all](../README.md#limits)"
