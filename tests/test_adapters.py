@@ -143,10 +143,11 @@ def test_casadi(name, rng):
 
 def values_of(library, program, q, parameters):
     """Return what an adapter's function gives for one pose of one design."""
+    function = adapter(library).function
     if library == "jax":
         importlib.import_module("jax").config.update("jax_enable_x64", True)
-        return adapter("jax").function(program)(q, parameters)
-    found = adapter("casadi").function(program)(q=q, parameters=parameters)
+        return function(program)(q, parameters)
+    found = function(program)(q=q, parameters=parameters)
     return {name: np.array(value) for name, value in found.items()}
 
 
