@@ -100,7 +100,8 @@ def main() -> None:
     print(f"{'':9s} poses closed, with J_eq and radii, in new arrays and in those before")
     for count, pair in cost_of.items():
         columns = (
-            f"{1e6 * cost:8.3f} µs × {cost / beside:.2f}" for cost, beside in zip(pair, last)
+            f"{1e6 * cost:8.3f} µs × {cost / beside:.2f}"
+            for cost, beside in zip(pair, last, strict=True)
         )
         print(f"{count:>9d}{''.join(columns)}")
     print(f"{peak() / 1e9:.2f} GB of memory with all results in it")
