@@ -10,12 +10,7 @@ from functools import partial
 
 import numpy as np
 
-from pmjac_pin.errors import (
-    ArgumentError,
-    ForbiddenRatesError,
-    IdleMotionError,
-    SingularError,
-)
+from pmjac_pin.errors import ArgumentError, ForbiddenRatesError, IdleMotionError, SingularError
 from pmjac_pin.rates.factorisation import REFINED, Factorisation
 from pmjac_pin.rates.jacobian import EquivalentJacobian
 from pmjac_pin.rates.partition import LoopRates, Partition
