@@ -401,6 +401,9 @@ def test_crocoddyl_is_refused_what_does_not_fit():
     np.testing.assert_array_equal(data.tau, [3.0, 0.0, 0.0, 0.0])
     with pytest.raises(pj.LimitError):
         both.calc(data, np.full(8, 3.0), np.zeros(3))
+    both.calcDiff(data, np.zeros(8), np.array([0.0, 0.0, 3.0]))
+    np.testing.assert_array_equal(data.dtau_dx, 0.0)  # a motor of its own is no gear
+    np.testing.assert_array_equal(data.dtau_du[:2], [[0.0, 0.0, 1.0], [0.0, 0.0, 0.0]])
 
 
 @slow

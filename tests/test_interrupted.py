@@ -14,7 +14,8 @@ import pytest
 
 import pmjac_pin as pj
 from pmjac_pin.batches.closing import Closing
-from pmjac_pin.batches.pieces import PIECE, gathered
+from pmjac_pin.batches.pieces import PIECE, Manner, gathered
+from pmjac_pin.batches.results import shapes_of
 
 COUNT = 40_000
 VALUES = np.array([2.187, 0.954]) + np.random.default_rng(0).uniform(-0.1, 0.1, (COUNT, 2))
@@ -160,7 +161,7 @@ def test_nobody_waits_for_a_piece_that_takes_long(threads):
 
     threading.Thread(target=interrupt).start()
     with pytest.raises(pj.Interrupted, match="0 of 5000 poses") as raised:
-        gathered(pj.ManyJacobians, ((5000, 6, 1), (5000,)), work, threads)
+        gathered(pj.ManyJacobians, shapes_of(pj.ManyJacobians, 5000, 1), work, Manner(threads))
     stop.set()
     assert (raised.value.done.status == pj.Status.NOT_DONE).all()
 
@@ -181,7 +182,7 @@ def test_what_is_raised_is_of_the_first_piece_that_fails(later):
 
     count = 5 * PIECE
     with pytest.raises(ValueError, match="first"):
-        gathered(pj.ManyJacobians, ((count, 6, 1), (count,)), work, 2)
+        gathered(pj.ManyJacobians, shapes_of(pj.ManyJacobians, count, 1), work, Manner(2))
 
 
 @pytest.mark.parametrize("threads", [1, 2, 5])
@@ -191,8 +192,10 @@ def test_progress_tells_of_all_in_the_end(threads):
     def work(piece, J_eq, status):
         J_eq[:], status[:] = piece.at.start, 0
 
-    shapes = ((count, 6, 1), (count,))
-    found = gathered(pj.ManyJacobians, shapes, work, threads, lambda *given: told.append(given))
+    shapes = shapes_of(pj.ManyJacobians, count, 1)
+    found = gathered(
+        pj.ManyJacobians, shapes, work, Manner(threads, lambda *given: told.append(given))
+    )
     np.testing.assert_array_equal(found.J_eq[:, 0, 0], np.arange(count) // PIECE * PIECE)
     assert told[-1] == (count, count)
     assert [done for done, _ in told] == sorted({done for done, _ in told})

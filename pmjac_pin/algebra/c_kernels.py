@@ -31,4 +31,7 @@ def loaded(built: str | Path, *sources: str | Path) -> ctypes.CDLL | None:
 
 def address(array: NDArray[Any]) -> ctypes.c_void_p:
     """Return where an array's numbers are."""
-    return ctypes.c_void_p(array.ctypes.data)
+    try:  # some times faster, where an array can be written to and is not empty
+        return ctypes.c_void_p(ctypes.addressof(ctypes.c_char.from_buffer(array.data)))
+    except (TypeError, ValueError):
+        return ctypes.c_void_p(array.ctypes.data)

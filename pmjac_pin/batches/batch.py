@@ -6,8 +6,8 @@ What a program certifies is what the single call says; where it cannot, the sing
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from functools import partial
-from typing import Any, TypeVar
+from functools import cached_property, partial
+from typing import Any, TypeAlias, TypeVar
 
 import numpy as np
 import pinocchio as pin
@@ -21,7 +21,7 @@ from pmjac_pin.batches.grid import Grid
 from pmjac_pin.batches.judge import Judge, certain_jacobians
 from pmjac_pin.batches.many_rates import ManyRates
 from pmjac_pin.batches.measures import fill_measures, with_extremes
-from pmjac_pin.batches.pieces import Piece, PieceWork, Progress, gathered
+from pmjac_pin.batches.pieces import Manner, Piece, PieceWork, Progress, gathered
 from pmjac_pin.batches.results import (
     ManyClosed,
     ManyEllipsoids,
@@ -39,13 +39,15 @@ from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.limits import enforced
 from pmjac_pin.model.reference_frame import frame_name
 from pmjac_pin.model.twist_frame import FrameName
-from pmjac_pin.model.unit_turns import unit_rows
+from pmjac_pin.model.unit_turns import UnitRows
 from pmjac_pin.rates.many_radii import fill_radii
 from pmjac_pin.values.arrays import Array, Index
-from pmjac_pin.values.checks import as_numbers, check_kind
+from pmjac_pin.values.checks import as_numbers, check_kind, seen_numbers
 
 _WORLD_ALIGNED: FrameName = "LOCAL_WORLD_ALIGNED"
 Rates = TypeVar("Rates", bound=ManyJacobians)
+#: (piece, its rows of q, its part of each array) ↦ nothing: it fills them.
+RatesWork: TypeAlias = Callable[..., object]
 
 
 def batch(mechanism: Mechanism, *, compiled: bool = False) -> Batch:
@@ -109,6 +111,7 @@ class Batch:
         enforce_limits: bool | str = True,
         threads: int | None = None,
         progress: Progress | None = None,
+        out: ManyClosed | None = None,
     ) -> ManyClosed:
         """Close the loops at many motor values, each on the assembly mode of its guess.
 
@@ -125,11 +128,16 @@ class Batch:
             All cores by default; the result is the same to the last bit.
         progress : callable, optional
             Called with (poses done, N) now and then, in the caller's thread.
+        out : ManyClosed, optional
+            What a call has returned for as many poses, to be filled again and returned: no memory
+            is taken for results. Arrays that were taken from it then hold the new numbers, too.
+            Where something is raised, what is not done says so.
 
         Raises
         ------
         ArgumentError, UnknownNameError
-            Values that are no finite numbers of that shape; no such pose.
+            Values that are no finite numbers of that shape; no such pose; an `out` of other shapes,
+            or whose arrays are not to be written to, or are what is read.
         ClosureError
             A guess that is not closed.
         """
@@ -144,7 +152,7 @@ class Batch:
                 self._closing.check(begin)
             self._closing.close(piece, (begin, values[at]), whose, found)
 
-        return self._closed(start, work, threads, progress)
+        return self._closed(start, work, Manner(threads, progress, out, (start, values)))
 
     def grid(
         self,
@@ -208,15 +216,12 @@ class Batch:
             paths = start[at], targets[at]
             self._closing.close(piece, paths, whose, found, most_steps=most_steps)
 
-        return self._closed(start, work, threads)
+        return self._closed(start, work, Manner(threads))
 
-    def _closed(
-        self, start: Array, work: PieceWork, threads: int | None, progress: Progress | None = None
-    ) -> ManyClosed:
+    def _closed(self, start: Array, work: PieceWork, how: Manner[ManyClosed]) -> ManyClosed:
         count = len(start)
-        shapes = (start.shape, (count,), (count,))
-        coordinates = self.mechanism.coordinates
-        return gathered(ManyClosed, shapes, work, threads, progress, coordinates=coordinates)
+        shapes = {"q": start.shape, "share": (count,), "status": (count,)}
+        return gathered(ManyClosed, shapes, work, how, coordinates=self.mechanism.coordinates)
 
     def jacobian(
         self,
@@ -225,6 +230,7 @@ class Batch:
         *,
         threads: int | None = None,
         progress: Progress | None = None,
+        out: ManyJacobians | None = None,
     ) -> ManyJacobians:
         """Return J_eq at many closed poses.
 
@@ -232,29 +238,28 @@ class Batch:
         ----------
         q : array_like, shape (N, nq)
         frame : {"LOCAL_WORLD_ALIGNED", "LOCAL", "WORLD"} or pin.ReferenceFrame
-        threads, progress
+        threads, progress, out
             As for `close`.
         """
         self.mechanism.need_tool()
-        poses, name = self._poses(q), frame_name(frame)
-        rates = self._rates(self._recorded.jacobian(name))
-
-        def work(piece: Piece, J_eq: Array, status: Statuses) -> None:
-            part = self._checked(poses[piece.at])
-            _, certain = rates.fill(part, J_eq)
-            self._judge.settle(piece, part, certain, name, (J_eq, status))
-
-        return self._gathered(ManyJacobians, poses, work, threads, progress)
+        name, poses = frame_name(frame), self._poses(q)
+        how = Manner(threads, progress, out, (poses,))
+        return self._gathered(ManyJacobians, self._jacobian_work(name), how)
 
     def ellipsoids(
-        self, q: ArrayLike, *, threads: int | None = None, progress: Progress | None = None
+        self,
+        q: ArrayLike,
+        *,
+        threads: int | None = None,
+        progress: Progress | None = None,
+        out: ManyEllipsoids | None = None,
     ) -> ManyEllipsoids:
         """Return J_eq and its singular values: of `measures` what takes the least time.
 
         Parameters
         ----------
         q : array_like, shape (N, nq)
-        threads, progress
+        threads, progress, out
             As for `close`.
 
         Examples
@@ -267,25 +272,23 @@ class Batch:
         True
         """
         self.mechanism.need_tool()
-        poses, rates = self._poses(q), self._rates(self._recorded.ellipsoids)
-
-        def work(piece: Piece, J_eq: Array, status: Statuses, *radii: Array) -> None:
-            part = self._checked(poses[piece.at])
-            sizes, certain = rates.fill(part, J_eq)
-            self._judge.settle(piece, part, certain, _WORLD_ALIGNED, (J_eq, status))
-            fill_radii(J_eq, sizes, *radii)
-
-        return self._gathered(ManyEllipsoids, poses, work, threads, progress)
+        how = Manner(threads, progress, out, (self._poses(q),))
+        return self._gathered(ManyEllipsoids, self._ellipsoids_work(), how)
 
     def measures(
-        self, q: ArrayLike, *, threads: int | None = None, progress: Progress | None = None
+        self,
+        q: ArrayLike,
+        *,
+        threads: int | None = None,
+        progress: Progress | None = None,
+        out: ManyMeasures | None = None,
     ) -> ManyMeasures:
         """Return J_eq, its singular values, how near K* is to singular, and where the tool is.
 
         Parameters
         ----------
         q : array_like, shape (N, nq)
-        threads, progress
+        threads, progress, out
             As for `close`.
 
         Examples
@@ -297,31 +300,52 @@ class Batch:
         True
         """
         self.mechanism.need_tool()
-        poses, by = self._poses(q), self._by(self._recorded.measures)
-        n, partition = len(self.mechanism.actuated), self._recorded.rates.partition
-        tolerance = self.mechanism.problem.tolerance
+        how = Manner(threads, progress, out, (self._poses(q),))
+        return self._gathered(ManyMeasures, self._measures_work(), how)
 
-        def work(piece: Piece, J_eq: Array, status: Statuses, *others: Any) -> None:
-            part = self._checked(poses[piece.at])
-            told, extremes = with_extremes(by, part.T, DOUBTS + 6 * n + 15, partition)
+    def _jacobian_work(self, frame: FrameName) -> RatesWork:
+        """Return what fills a piece of `jacobian` for rows of q."""
+        rates = self._rates(self._recorded.jacobian(frame))
+
+        def work(piece: Piece, q: Array, J_eq: Array, status: Statuses) -> None:
+            _, certain = rates.fill(q, J_eq)
+            self._judge.settle(piece, q, certain, frame, (J_eq, status))
+
+        return work
+
+    def _ellipsoids_work(self) -> RatesWork:
+        rates = self._rates(self._recorded.ellipsoids)
+
+        def work(piece: Piece, q: Array, J_eq: Array, status: Statuses, *radii: Array) -> None:
+            sizes, certain = rates.fill(q, J_eq)
+            self._judge.settle(piece, q, certain, _WORLD_ALIGNED, (J_eq, status))
+            fill_radii(J_eq, sizes, *radii)
+
+        return work
+
+    def _measures_work(self) -> RatesWork:
+        by, partition = self._by(self._recorded.measures), self._recorded.rates.partition
+        n, tolerance = len(self.mechanism.actuated), self.mechanism.problem.tolerance
+
+        def work(piece: Piece, q: Array, *found: Any) -> None:
+            J_eq, status, *_ = found
+            told, extremes = with_extremes(by, q.T, DOUBTS + 6 * n + 15, partition)
             certain = certain_jacobians(partition, tolerance, told)
             J_eq[:] = told[DOUBTS : DOUBTS + 6 * n].reshape(6, n, -1).transpose(2, 0, 1)
-            self._judge.settle(piece, part, certain, _WORLD_ALIGNED, (J_eq, status))
-            found = [J_eq, status, *others]
+            self._judge.settle(piece, q, certain, _WORLD_ALIGNED, (J_eq, status))
             fill_measures(told[DOUBTS + 6 * n :], extremes, partition, found)
 
-        return self._gathered(ManyMeasures, poses, work, threads, progress)
+        return work
 
-    def _gathered(
-        self,
-        kind: type[Rates],
-        poses: Array,
-        work: PieceWork,
-        threads: int | None,
-        progress: Progress | None,
-    ) -> Rates:
+    def _gathered(self, kind: type[Rates], work: RatesWork, how: Manner[Rates]) -> Rates:
+        """Return what is found at the poses that are given."""
+        (poses,) = how.given
+
+        def checked(piece: Piece, *found: Any) -> None:
+            work(piece, self._checked(poses[piece.at]), *found)
+
         shapes = shapes_of(kind, len(poses), len(self.mechanism.actuated))
-        return gathered(kind, shapes, work, threads, progress)
+        return gathered(kind, shapes, checked, how)
 
     def _rates(self, tape: Tape) -> ManyRates:
         """Return what computes J_eq by a tape."""
@@ -367,4 +391,8 @@ class Batch:
 
     def _checked(self, part: Array) -> Array:
         """Return rows of q as numbers whose turns are of unit length, or say what they are not."""
-        return unit_rows(self.mechanism.kinematics.model, as_numbers(part, "q"))
+        return self._unit_rows.of(seen_numbers(part, "q"))
+
+    @cached_property
+    def _unit_rows(self) -> UnitRows:
+        return UnitRows(self.mechanism.kinematics.model)

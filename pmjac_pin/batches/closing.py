@@ -123,13 +123,12 @@ class Closing:
         displacement = self._displacement(start, values)
         walker, most = self.lanes or self.walker, most_steps or MOST_STEPS
         paths = walker.walk(start, displacement, values, go_on, most, ends=ends)
-        arrived: Mask = share == 1.0
-        if arrived.all():  # so they are within so many steps
-            return arrived
-        # Where a path is too long for any number of steps, single calls say so without a step.
-        far = np.linalg.norm(displacement / partition.motor_scale, axis=1)
-        within: Mask = far <= MOST_STEPS * LARGEST_STEP * partition.length
-        return paths.settled & within
+        left = np.flatnonzero(share != 1.0)  # the others were within so many steps
+        if left.size:
+            # Where a path is too long for any number of steps, single calls say so without a step.
+            far = np.linalg.norm(displacement[left] / partition.motor_scale, axis=1)
+            paths.settled[left] &= far <= MOST_STEPS * LARGEST_STEP * partition.length
+        return paths.settled
 
     def _displacement(self, start: Array, values: Array) -> Array:
         """Return how far the motors go, which turn endlessly the shorter way."""

@@ -137,11 +137,11 @@ class DesignBatch:
         n, partition = self._motors.size, replace(self._problem.partition, size=0.0)
         by = partial(run, self._programs.measures)
         told, extremes = with_extremes(by, self._inputs(q), DOUBTS + 6 * n + 15, partition)
-        found = empty_arrays(ManyMeasures, shapes_of(ManyMeasures, len(q), n))
-        J_eq, found[1][:] = self._judged(told)
-        found[0][:] = J_eq.transpose(2, 0, 1)
-        fill_measures(told[DOUBTS + 6 * n :], extremes, partition, found)
-        return ManyMeasures(*found)
+        found = empty_arrays(shapes_of(ManyMeasures, len(q), n))
+        J_eq, found["status"][:] = self._judged(told)
+        found["J_eq"][:] = J_eq.transpose(2, 0, 1)
+        fill_measures(told[DOUBTS + 6 * n :], extremes, partition, list(found.values()))
+        return ManyMeasures(**found)
 
     def moves(self) -> Mask:
         """Tell of which poses' designs the motors lead away from home, and K* can follow there.

@@ -6,26 +6,19 @@ and so programs, for each of them, and often but a few poses.
 
 from __future__ import annotations
 
-from dataclasses import fields, replace
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
-import pinocchio as pin
-from numpy.typing import ArrayLike
 
-from pmjac_pin.batches.batch import Batch
+from pmjac_pin.batches.batch import Batch, RatesWork
 from pmjac_pin.batches.closing import Closing
 from pmjac_pin.batches.one_by_one import jacobian_of_one, measures_of_one
-from pmjac_pin.batches.pieces import Progress
-from pmjac_pin.batches.results import (
-    ManyEllipsoids,
-    ManyJacobians,
-    ManyMeasures,
-    Status,
-    empty_arrays,
-    shapes_of,
-)
+from pmjac_pin.batches.pieces import Piece
+from pmjac_pin.batches.results import ManyMeasures, Status, Statuses, shapes_of
 from pmjac_pin.mechanism import Mechanism
-from pmjac_pin.model.reference_frame import frame_name
+from pmjac_pin.model.twist_frame import FrameName
+from pmjac_pin.values.arrays import Array
 
 # Closed while programs are made: so many, and more for each entry of loops' and tool's Jacobians.
 _POSES, _POSES_PER_ENTRY = 10.0, 0.07
@@ -39,43 +32,32 @@ class FewPoses(Batch):
         self.mechanism, self.runs_on = replace(mechanism, _poses={}), "single calls"
         self._closing = Closing(self.mechanism, None)
 
-    def jacobian(
-        self,
-        q: ArrayLike,
-        frame: str | pin.ReferenceFrame = "LOCAL_WORLD_ALIGNED",
-        *,
-        threads: int | None = None,
-        progress: Progress | None = None,
-    ) -> ManyJacobians:
-        """Return J_eq at closed poses."""
-        poses, name = self._checked(self._poses(q)), frame_name(frame)
-        J_eq = np.empty((len(poses), 6, len(self.mechanism.actuated)))
-        status = np.zeros(len(poses), dtype=np.int8)
-        for k, pose in enumerate(poses):
-            J_eq[k], status[k] = jacobian_of_one(self.mechanism, pose, name)
-        return ManyJacobians(J_eq, status)
+    def _jacobian_work(self, frame: FrameName) -> RatesWork:
+        def work(piece: Piece, q: Array, J_eq: Array, status: Statuses) -> None:
+            for k in range(len(q)):
+                piece.go_on()
+                J_eq[k], status[k] = jacobian_of_one(self.mechanism, q[k], frame)
 
-    def ellipsoids(
-        self, q: ArrayLike, *, threads: int | None = None, progress: Progress | None = None
-    ) -> ManyEllipsoids:
-        """Return what `Batch.ellipsoids` does."""
-        found = self.measures(q)
-        return ManyEllipsoids(found.J_eq, found.status, found.velocity_radii, found.angular_radii)
+        return work
 
-    def measures(
-        self, q: ArrayLike, *, threads: int | None = None, progress: Progress | None = None
-    ) -> ManyMeasures:
-        """Return what `Batch.measures` does."""
-        poses = self._checked(self._poses(q))
-        shapes = shapes_of(ManyMeasures, len(poses), len(self.mechanism.actuated))
-        arrays = empty_arrays(ManyMeasures, shapes)
-        for array in arrays:
-            array[:] = np.nan if array.dtype == np.float64 else Status.CLOSED
-        found = dict(zip((one.name for one in fields(ManyMeasures)), arrays, strict=True))
-        for k, pose in enumerate(poses):
-            for name, value in measures_of_one(self.mechanism, pose).items():
-                found[name][k] = value
-        return ManyMeasures(**found)
+    def _ellipsoids_work(self) -> RatesWork:
+        return self._measures_work()
+
+    def _measures_work(self) -> RatesWork:
+        """Return what fills a piece of arrays that `ManyMeasures` has, or of the first of them."""
+        names = tuple(shapes_of(ManyMeasures, 0, 0))
+
+        def work(piece: Piece, q: Array, *found: Any) -> None:
+            arrays = dict(zip(names, found, strict=False))
+            for array in found:
+                array[:] = np.nan if array.dtype == np.float64 else Status.CLOSED
+            for k in range(len(q)):
+                piece.go_on()
+                for name, value in measures_of_one(self.mechanism, q[k]).items():
+                    if name in arrays:
+                        arrays[name][k] = value
+
+        return work
 
 
 def batch_of(mechanism: Mechanism, poses: int) -> Batch:

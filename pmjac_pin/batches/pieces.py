@@ -8,16 +8,18 @@ from __future__ import annotations
 
 import os
 from collections import deque
-from collections.abc import Callable, Iterator, Sequence
-from threading import Event, Thread
-from typing import Any, TypeAlias, TypeVar
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from threading import Thread
+from typing import Any, Generic, TypeAlias, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from pmjac_pin.batches.filled_again import memory_of, note_memory
 from pmjac_pin.batches.results import Status, empty_arrays
 from pmjac_pin.errors import ArgumentError, Interrupted, quoted
-from pmjac_pin.values.arrays import Mask, ReadOnlyArrays, sealed
+from pmjac_pin.values.arrays import Array, Mask, ReadOnlyArrays, sealed
 from pmjac_pin.values.checks import check_callable
 
 PIECE = 4096  # poses: they fill the kernel's lanes, and some MB
@@ -35,10 +37,10 @@ class Piece:
         Which poses.
     """
 
-    __slots__ = ("_interrupted", "at")
+    __slots__ = ("_of", "at")
 
-    def __init__(self, at: slice, interrupted: Event) -> None:
-        self.at, self._interrupted = at, interrupted
+    def __init__(self, at: slice, of: _Filling) -> None:
+        self.at, self._of = at, of
 
     def each(self, of: Mask) -> Iterator[int]:
         """Yield where a mask holds, for what takes long at each of these poses."""
@@ -48,7 +50,7 @@ class Piece:
 
     def go_on(self) -> None:
         """Raise where nobody waits for this any longer."""
-        if self._interrupted.is_set():
+        if self._of.given_up:
             raise _GivenUp
 
 
@@ -60,12 +62,29 @@ class _GivenUp(Exception):
 PieceWork: TypeAlias = Callable[..., object]
 
 
+@dataclass(frozen=True, slots=True)
+class Manner(Generic[Results]):
+    """How many poses are computed.
+
+    Attributes
+    ----------
+    threads, progress, out
+        As of `Batch.close`.
+    given : tuple of ndarray
+        What is read while results are filled.
+    """
+
+    threads: int | None = None
+    progress: Progress | None = None
+    out: Results | None = None
+    given: tuple[Array, ...] = ()
+
+
 def gathered(
     kind: type[Results],
-    shapes: Sequence[tuple[int, ...]],
+    shapes: Mapping[str, tuple[int, ...]],
     work: PieceWork,
-    threads: int | None = None,
-    progress: Progress | None = None,
+    how: Manner[Results],
     **more: Any,
 ) -> Results:
     """Return results of many poses.
@@ -74,13 +93,12 @@ def gathered(
     ----------
     kind : type
         A dataclass of arrays, one of which is called `status`.
-    shapes : sequence of tuple of int
-        Of its arrays, in their order.
+    shapes : mapping of str to tuple of int
+        Of its arrays, by their names.
     work : callable
-        Fills the arrays of a piece, ``work(piece, *parts)``. Where the pieces end depends on their
-        number alone.
-    threads, progress
-        As of `Batch.close`.
+        Fills the arrays of a piece, ``work(piece, *parts)``, in that order. Where the pieces end
+        depends on their number alone.
+    how : Manner
     **more
         What the results are made with besides their arrays.
 
@@ -88,15 +106,23 @@ def gathered(
     ------
     ArgumentError, Interrupted
     """
-    check_callable(progress, "progress")
-    found = empty_arrays(kind, shapes)
-    filling = _Filling(found, work)
+    check_callable(how.progress, "progress")
+    threads, out = thread_count(how.threads), how.out
+    found = empty_arrays(shapes) if out is None else memory_of(out, kind, shapes, how.given)
+    filling = _Filling(list(found.values()), work)
+    result = kind(**{name: sealed(array) for name, array in found.items()}, **more)
+    if out is not None:
+        vars(out).update(vars(result))
+        result = out
+    note_memory(result, found)
     try:
-        filling.fill(thread_count(threads), progress)
-    except KeyboardInterrupt:
+        filling.fill(threads, how.progress)
+    except BaseException as stopped:
         told = f"{filling.blank()} of {filling.count} poses"
-        raise interrupted(told, kind(*map(sealed, found), **more)) from None
-    return kind(*map(sealed, found), **more)
+        if isinstance(stopped, KeyboardInterrupt):
+            raise interrupted(told, result) from None
+        raise
+    return result
 
 
 class _Filling:
@@ -112,7 +138,7 @@ class _Filling:
         self._left = {at: slice(at, min(at + PIECE, self.count)) for at in starts}
         self._waiting, self._ended = deque(starts), deque[int]()
         self._failed: dict[int, Exception] = {}
-        self._given_up = Event()
+        self.given_up = False
 
     def fill(self, threads: int, progress: Progress | None) -> None:
         """Fill the arrays; raise what went wrong in the first of the pieces where something did."""
@@ -127,7 +153,7 @@ class _Filling:
             told.on()
         except BaseException:
             self._waiting.clear()
-            self._given_up.set()
+            self.given_up = True
             _wait(helpers)  # each to its next step: nothing is written any more
             raise
         for at in sorted(self._failed)[:1]:
@@ -161,7 +187,7 @@ class _Filling:
             yield
 
     def _fill(self, at: int) -> None:
-        piece = Piece(self._left[at], self._given_up)
+        piece = Piece(self._left[at], self)
         self._work(piece, *(array[piece.at] for array in self._found))
         del self._left[at]
         self._ended.append(piece.at.stop - at)

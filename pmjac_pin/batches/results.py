@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import InitVar, dataclass, field, fields
+from collections.abc import Mapping
+from dataclasses import InitVar, dataclass, field
 from enum import IntEnum
 from typing import Any, TypeAlias
 
@@ -173,17 +173,18 @@ _OF_ONE_POSE: dict[str, tuple[int, ...]] = {  # less the motors, which are -1
 }  # fmt: skip
 
 
-def shapes_of(kind: type[ManyJacobians], count: int, motors: int) -> list[tuple[int, ...]]:
-    """Return the shapes of the arrays of so many poses, in their order."""
-    of_one = (_OF_ONE_POSE[one.name] for one in fields(kind))
-    return [(count, *(motors if size < 0 else size for size in shape)) for shape in of_one]
+def shapes_of(kind: type[ManyJacobians], count: int, motors: int) -> dict[str, tuple[int, ...]]:
+    """Return the shapes of the arrays of so many poses."""
+    return {
+        name: (count, *(motors if size < 0 else size for size in shape))
+        for name, shape in _OF_ONE_POSE.items()
+        if name in kind.__dataclass_fields__
+    }
 
 
-def empty_arrays(
-    kind: type[ReadOnlyArrays], shapes: Sequence[tuple[int, ...]]
-) -> list[NDArray[Any]]:
+def empty_arrays(shapes: Mapping[str, tuple[int, ...]]) -> dict[str, NDArray[Any]]:
     """Return arrays of results that are to be filled: statuses, and numbers."""
-    return [
-        np.empty(shape, dtype=np.int8 if one.name == "status" else np.float64)
-        for one, shape in zip(fields(kind), shapes, strict=True)
-    ]
+    return {
+        name: np.empty(shape, dtype=np.int8 if name == "status" else np.float64)
+        for name, shape in shapes.items()
+    }

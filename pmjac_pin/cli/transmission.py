@@ -14,6 +14,7 @@ from pmjac_pin.cli.options import (
     Force,
     NameOption,
     check_output,
+    numbers_given,
     output_option,
     ranges_by_name,
     split_names,
@@ -109,7 +110,7 @@ def transmission_command(
             check_figure_file(path)
     header = _header_of_plugins(paths)
     table = where.table(choice.load(mechanism))
-    given = _limits_given(limits, len(table.motors))
+    given = [1.0] * len(table.motors) if limits is None else numbers_given("--limits", limits)
     blocks = list(transmission_blocks(table, given))
     for path in paths:
         if Path(path).suffix in _FIGURES:
@@ -131,13 +132,3 @@ def _header_of_plugins(paths: list[str]) -> str:
         wanted = f"add -o {shown_path(plugins[0].with_suffix('.h'))}"
         raise ArgumentError(f"{shown_path(plugins[0])} includes a C header: {wanted}")
     return headers[0].name if headers else ""
-
-
-def _limits_given(given: str | None, count: int) -> list[float]:
-    if given is None:
-        return [1.0] * count
-    try:
-        return [float(item) for item in given.split(",")]
-    except ValueError:
-        wanted = "--limits takes numbers joined by commas, one a motor"
-        raise ArgumentError(f"{wanted}; got {quoted(given)}") from None

@@ -101,8 +101,8 @@ class PathsToWalk:
         Closed poses; rows may be the same memory.
     displacement, target : ndarray, shape (b, n)
         Of the motors.
-    design : ndarray, shape (b, k)
-        What the programs take of each path's own machine; k = 0 where they are of one machine.
+    design : ndarray, shape (b, k), or None
+        What the programs take of each path's own machine; None where they are of one machine.
     q, gap, share : ndarray, shapes (b, nq), (b,) and (b,)
         Where each ended, how far the loops are open there, m, and at which share of the way.
     iterations, end : ndarray of int, shape (b,)
@@ -111,7 +111,7 @@ class PathsToWalk:
     start: Array
     displacement: Array
     target: Array
-    design: Array
+    design: Array | None
     q: Array
     gap: Array
     share: Array
@@ -130,7 +130,7 @@ class PathsToWalk:
         """Return paths that are not walked yet; q and share of their ends go where it is told."""
         count = len(start)
         given = (start, np.ascontiguousarray(displacement), np.ascontiguousarray(target))
-        own = np.ascontiguousarray(np.zeros((count, 0)) if design is None else design)
+        own = None if design is None else np.ascontiguousarray(design)
         q, share = (np.empty(start.shape), np.zeros(count)) if ends is None else ends
         whole = np.zeros((2, count), dtype=np.int64)
         return cls(*given, own, q, np.zeros(count), share, *whole)
@@ -188,16 +188,16 @@ class KernelWalk:
         """
         struct, self._paths = self._struct, paths
         struct.inverse = inverse
-        start = paths.start
-        if start.strides[0] and not start.flags.c_contiguous:
-            start = np.ascontiguousarray(start)
-        self._start = start
-        struct.start, struct.apart = address(start), start.strides[0] // start.itemsize
+        apart, count = paths.start.strides[0] // paths.start.itemsize, len(paths.start)
+        self._start = start = np.ascontiguousarray(paths.start if apart else paths.start[:1])
+        struct.start, struct.apart = address(start), start.shape[1] if apart else 0
         struct.displacement, struct.target = address(paths.displacement), address(paths.target)
-        struct.design, struct.designed = address(paths.design), paths.design.shape[1]
+        struct.design, struct.designed = None, 0
+        if paths.design is not None:
+            struct.design, struct.designed = address(paths.design), paths.design.shape[1]
         struct.q, struct.gap, struct.share = map(address, (paths.q, paths.gap, paths.share))
         struct.iterations, struct.end = address(paths.iterations), address(paths.end)
-        struct.count, struct.most_tries = len(start), most_tries
+        struct.count, struct.most_tries = count, most_tries
         struct.few, struct.patience = few, min(patience, most_tries)
 
     def begin(self) -> None:

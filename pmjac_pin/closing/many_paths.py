@@ -285,8 +285,6 @@ def judged(problem: ClosureProblem, paths: Paths, displacement: Array, doubtful:
     doubtful : ndarray of bool, shape (b,)
         Where bounds do not tell that K* is regular.
     """
-    if (arrived := paths.share == 1.0).all():
-        return replace(paths, settled=arrived)
     partition = problem.partition
     scaled = displacement / partition.column_scale[partition.actuated]
     left = (1.0 - paths.share) * np.linalg.norm(scaled, axis=1)
@@ -294,4 +292,4 @@ def judged(problem: ClosureProblem, paths: Paths, displacement: Array, doubtful:
     for index in np.flatnonzero(settled & doubtful).tolist():
         factors = closed_point(problem, paths.q[index].copy()).factors
         settled[index] = factors.rank < partition.passive_rank
-    return replace(paths, settled=settled | arrived)
+    return replace(paths, settled=settled | (paths.share == 1.0))

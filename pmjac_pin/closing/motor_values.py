@@ -12,7 +12,7 @@ from pmjac_pin.errors import ArgumentError, quoted, unknown_name
 from pmjac_pin.model.coordinates import LIMIT_SLACK, JointCoordinates
 from pmjac_pin.model.spec import MechanismSpec
 from pmjac_pin.values.arrays import Array
-from pmjac_pin.values.checks import LARGEST, as_numbers
+from pmjac_pin.values.checks import LARGEST, as_numbers, seen_numbers
 from pmjac_pin.values.named_values import named_values
 
 MotorValues: TypeAlias = ArrayLike | Mapping[str, float]
@@ -129,6 +129,8 @@ def _listed(names: tuple[str, ...], given: Any, what: str) -> Array:
 def motor_table(spec: MechanismSpec, coordinates: JointCoordinates, actuated: Any) -> Array:
     """Return motor values of many poses as an array (N, n), or say what was expected.
 
+    An array of doubles is returned as it is.
+
     Parameters
     ----------
     spec, coordinates
@@ -151,7 +153,7 @@ def motor_table(spec: MechanismSpec, coordinates: JointCoordinates, actuated: An
             got = ", ".join(str(column.shape) for column in ordered)
             raise ArgumentError(f"one value a pose expected of each motor, got shapes {got}")
         return np.column_stack(ordered)
-    values = as_numbers(actuated, "motor values")
+    values = seen_numbers(actuated, "motor values")
     if values.ndim != 2 or values.shape[1] != len(names):
         wanted = f"(N, {len(names)}) for {', '.join(names)}"
         raise ArgumentError(f"motor values of shape {wanted} expected, got {values.shape}")
@@ -160,6 +162,8 @@ def motor_table(spec: MechanismSpec, coordinates: JointCoordinates, actuated: An
 
 def _columns(given: Any) -> dict[Any, Any] | None:
     """Return columns by their names, None for what has none."""
+    if type(given) is np.ndarray and given.dtype.names is None:
+        return None
     if names := getattr(getattr(given, "dtype", None), "names", None):
         return {name: given[name] for name in names}
     if isinstance(given, Mapping) or callable(getattr(given, "keys", None)):

@@ -12,7 +12,14 @@ from pmjac_pin.algebra.tape import Tape
 from pmjac_pin.closing import closure
 from pmjac_pin.closing.closed import closed_point
 from pmjac_pin.closing.closure_problem import ClosureProblem
-from pmjac_pin.closing.kernel_walk import DOUBTFUL, SPENT, KernelMachine, KernelWalk, PathsToWalk
+from pmjac_pin.closing.kernel_walk import (
+    ARRIVED,
+    DOUBTFUL,
+    SPENT,
+    KernelMachine,
+    KernelWalk,
+    PathsToWalk,
+)
 from pmjac_pin.closing.many_paths import FEW, LONG, GoOn, Paths, judged
 from pmjac_pin.model.coordinates import JointCoordinates
 from pmjac_pin.values.arrays import Array
@@ -101,6 +108,8 @@ class PathsInLanes:
         while walk.go_on(_LANE_STEPS_AT_ONCE):
             go_on()
         self._walks.put_back(walk)
+        if (arrived := paths.end == ARRIVED).all():
+            return Paths(paths.q, paths.share, arrived)
         ended = Paths(paths.q, paths.share, paths.end != SPENT)
         doubtful = paths.end == DOUBTFUL
         if design is not None:

@@ -29,23 +29,36 @@ def with_unit_turns(model: pin.Model, q: Array) -> Array:
     return normalised
 
 
-def unit_rows(model: pin.Model, q: Array) -> Array:
-    """Return the same of q (N, nq), in a new array where a row is changed.
+class UnitRows:
+    """The same of many q of one model.
 
-    Raises
-    ------
-    ArgumentError
+    Parameters
+    ----------
+    model : pin.Model
     """
-    off = np.zeros(len(q), dtype=bool)
-    for joint in list(model.joints)[1:]:
-        if joint.nq > joint.nv:
-            off |= _is_off(joint, q)
-    if not off.any():
+
+    __slots__ = ("_model", "_turning")
+
+    def __init__(self, model: pin.Model) -> None:
+        self._model = model
+        self._turning = [joint for joint in list(model.joints)[1:] if joint.nq > joint.nv]
+
+    def of(self, q: Array) -> Array:
+        """Return q (N, nq) with turns of unit length, in a new array where a row is changed.
+
+        Raises
+        ------
+        ArgumentError
+        """
+        if not self._turning:
+            return q
+        off = np.logical_or.reduce([_is_off(joint, q) for joint in self._turning])
+        if not off.any():
+            return q
+        q = q.copy()
+        for row in np.flatnonzero(off).tolist():
+            q[row] = with_unit_turns(self._model, q[row])
         return q
-    q = q.copy()
-    for row in np.flatnonzero(off).tolist():
-        q[row] = with_unit_turns(model, q[row])
-    return q
 
 
 def _is_off(joint: pin.JointModel, q: Array) -> Mask:

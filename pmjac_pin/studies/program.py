@@ -22,7 +22,7 @@ from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.coordinates import entry_names
 from pmjac_pin.model.reference_frame import frame_name
 from pmjac_pin.model.twist_frame import FrameName
-from pmjac_pin.model.unit_turns import unit_rows
+from pmjac_pin.model.unit_turns import UnitRows
 from pmjac_pin.values.arrays import Array
 from pmjac_pin.values.checks import as_names, as_numbers, check_kind
 
@@ -204,7 +204,7 @@ class Program:
             np.broadcast_to(one, (*leading, one.shape[-1])).reshape(count, one.shape[-1])
             for one in (poses, designs)
         )
-        rows = np.hstack([unit_rows(model, poses), designs])
+        rows = np.hstack([UnitRows(model).of(poses), designs])
         found = named_outputs(self.recording, self.outputs, rows)
         return {name: x.reshape(*leading, *x.shape[1:]) for name, x in found.items()}
 

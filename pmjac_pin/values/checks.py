@@ -42,11 +42,31 @@ def as_numbers(given: object, what: str, largest: float = LARGEST) -> Array:
     if hasattr(given, "mask") and np.ma.is_masked(given):
         raise ArgumentError(f"{what} must have no masked entries, got {quoted(given)}")
     array = raw.astype(np.float64)
+    _check_size(array, given, what, largest)
+    return array
+
+
+def seen_numbers(given: object, what: str) -> Array:
+    """Return what `as_numbers` does: the caller's own array where that holds doubles already.
+
+    For what may be large, and is only read.
+
+    Raises
+    ------
+    ArgumentError
+    """
+    if type(given) is not np.ndarray or given.dtype != np.float64:
+        return as_numbers(given, what)
+    _check_size(given, given, what, LARGEST)
+    return given
+
+
+def _check_size(array: Array, given: object, what: str, largest: float) -> None:
     # False of NaN; no array of magnitudes is made, which may be large.
     if not array.size or (
         array.item(array.argmax()) <= largest and array.item(array.argmin()) >= -largest
     ):
-        return array
+        return
     if not np.isfinite(array).all():
         raise ArgumentError(f"{what} must be finite, got {quoted(given)}")
     got = f"{array.flat[np.abs(array).argmax()]:g}"

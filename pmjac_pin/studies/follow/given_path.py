@@ -50,7 +50,7 @@ def motor_path(mechanism: Mechanism, path: Any, times: Any = None) -> MotorPath:
         raise ArgumentError(f"{mechanism.name}: {message}; give it as joints of one each")
 
     def table(given: Any) -> Array:
-        values = motor_table(mechanism.spec, coordinates, given)
+        values = motor_table(mechanism.spec, coordinates, given).copy()
         wraps = coordinates.wraps[motors]
         values[:, wraps] = np.unwrap(values[:, wraps], axis=0)
         return values
