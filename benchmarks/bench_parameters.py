@@ -68,6 +68,12 @@ def designs(mechanism: pj.Mechanism, rng: np.random.Generator) -> dict[str, floa
     }
 
 
+def ready(mechanism: pj.Mechanism) -> pj.Mechanism:
+    """Return a mechanism whose ranks are known, as its first pose needs them."""
+    assert mechanism.problem.partition.size
+    return mechanism
+
+
 def poses(mechanism: pj.Mechanism) -> pj.Configuration:
     """Close loops along a path of the motors."""
     start = guess = mechanism.home
@@ -87,8 +93,10 @@ def row(name: str, clock: Clock) -> str:
     again, sibling, closing, walking, first, beside = [], [], [], [], [], []
     for _ in range(ROUNDS):
         values = designs(mechanism, rng)
-        again.append(clock.taken(lambda: pj.load(name, values))[0])  # noqa: B023
-        whole, closed, machine = clock.taken(lambda: mechanism.with_parameters(values))  # noqa: B023
+        again.append(clock.taken(lambda: ready(pj.load(name, values)))[0])  # noqa: B023
+        whole, closed, machine = clock.taken(
+            lambda: ready(mechanism.with_parameters(values))  # noqa: B023
+        )
         sibling.append(whole)
         closing.append(closed)
         walking.append(clock.taken(lambda: poses(machine))[0])  # noqa: B023

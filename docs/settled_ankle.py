@@ -16,7 +16,7 @@ JOINTS = ("pitch", "roll")
 PITCHES, ROLLS = np.linspace(-0.4, 0.25, 14), np.linspace(-0.15, 0.15, 13)  # rad
 POSE = (0.1, 0.05)  # rad
 
-# As published with the ankle, m and rad.
+# As in the open software of the AgiBot X1: docs/settled.md says where. m and rad.
 CRANK = 0.025
 MOTORS = np.array([[-0.041, 0.0, 0.195], [-0.041, 0.0, 0.14]])
 BALLS = np.array([[-0.041, -0.025, 0.009], [-0.041, 0.025, 0.009]])  # on the foot

@@ -253,13 +253,14 @@ class Configuration(LoadedPose, Shown):
         """
         if tool is not None:
             return self.with_tool(tool).jacobian(frame)
-        problem = self.problem
+        known, home = self._known, self.mechanism._parts.problem
+        problem = self._branch[0] if known is None else self.problem
         if not problem.partition.tool_rows.names:
             self._need_tool()
         name: FrameName = WORLD_AXES if frame is WORLD_AXES else frame_name(frame)
-        known, pose = self._known, PoseOfConfiguration(self, name)
+        pose = PoseOfConfiguration(self, name)
         find: Callable[[], EquivalentJacobian]
-        if known is not None and problem is self._parts.problem:
+        if known is not None and problem is home:
             J_eq, find = known.J_eq(name), functools.partial(self._whole, pose)
         else:
             J_eq, find = self._eliminated(pose)
@@ -305,8 +306,9 @@ class Configuration(LoadedPose, Shown):
     ) -> tuple[Array, Callable[[], EquivalentJacobian]]:
         """Return J_eq by singular values, and what has all matrices; or say why there is none."""
         constraint, tool = self._jacobians(self._snapshot, pose.frame)
-        partition = self.problem.partition
-        rates, J_eq = eliminated(tool, partition, self._loop_rates, self.singularity)
+        problem, loops = self._branch
+        partition = problem.partition
+        rates, J_eq = eliminated(tool, partition, loops, self.singularity)
         J_eq = read_only(J_eq)
         matrices = constraint, tool, pose.frame, partition, rates, J_eq
         return J_eq, functools.partial(EquivalentJacobian, *matrices, pose=pose)

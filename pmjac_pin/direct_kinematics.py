@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Literal, TypeAlias
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from pmjac_pin.closing.closure import MOST_STEPS, Followed, follow
 from pmjac_pin.closing.closure_problem import ClosureProblem
 from pmjac_pin.closing.damped_closure import Assembled, assemble, motor_weights
 from pmjac_pin.closing.held_motors import assemble_held
-from pmjac_pin.closing.motor_values import by_joint, motor_values
+from pmjac_pin.closing.motor_values import MotorValues, by_joint, motor_values
 from pmjac_pin.closing.over_actuation import ties_in_words, walk_led
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import ArgumentError, ClosureError
@@ -37,10 +37,62 @@ _NEARLY_SINGULAR = 1e-3  # relative singular value of K* that explains why a pat
 
 
 def close(
-    mechanism: Mechanism, actuated: Any, guess: Guess, enforce_limits: bool | str
+    mechanism: Mechanism,
+    actuated: MotorValues,
+    guess: Guess = "home",
+    *,
+    enforce_limits: bool | Literal["all"] = True,
 ) -> Configuration:
-    """Close the loops at these motor values; see `Mechanism.close`."""
-    whose = enforced(enforce_limits)
+    """Close the loops at these motor values: direct kinematics by continuation.
+
+    Walks from the guess to the target along a straight line in the motor values, with
+    Newton's method on the passive joints at every step, and stays on the guess's assembly
+    mode. A step is taken only where K* is shown to be regular along the whole of it, from
+    its values at three poses and bounds on its derivatives from the links' lengths: what
+    comes closer to singular than 1e-6 ends the path, and only the target itself may be
+    singular. `docs/closing_loops.md` says what this rests on: with joints that are not known
+    (helical, mimic, composite), the three poses alone. With more motors than freedom, as many
+    as may move at will walk straight, and the values of the others must fit at the end; an
+    error says first how the loops tie them.
+
+    Parameters
+    ----------
+    actuated : array_like, shape (n,), or mapping of str to float
+        Motor values, m or rad: in the order of `actuated`, or by name where they have names,
+        as those of a pandas Series do.
+    guess : str, Configuration or mapping of str to float
+        Where to start: a pose's name, a configuration, or joint values; joints that a
+        mapping does not name are taken from the target (motors) and from home. The loops
+        of a mapping are closed as those of a pose are, the motors at rest; it is an error
+        where that fails.
+    enforce_limits : bool or "all"
+        Refuse motor values outside the motors' limits; with "all", also a pose that has a
+        passive joint outside its limits. Passive joints are looked at where the path ends,
+        not on the way; without "all", `Configuration.limits_violated` names them.
+
+    Returns
+    -------
+    Configuration
+        Closed to `tolerance`.
+
+    Raises
+    ------
+    ClosureError
+        The path meets a singularity, the target is out of reach, the loops forbid the motors
+        to move so together (`ties` says how they tie them), or the path is too long for one
+        call. Attributes: the smallest gap found at the target (`residual_norm`, `q`), the
+        last closed pose on the path (`reached`, a Configuration), the `share` of the path
+        up to there.
+    LimitError, ArgumentError, UnknownNameError
+
+    Examples
+    --------
+    >>> import pmjac_pin as pj
+    >>> mechanism = pj.load("three_rps")
+    >>> configuration = mechanism.close([1.0, 1.1, 0.9])
+    >>> nearby = mechanism.close([1.0, 1.1, 0.95], guess=configuration)
+    """
+    whose = "motors" if enforce_limits is True else enforced(enforce_limits)
     values = None if whose == "none" else mechanism.motors.within_limits(actuated)
     if values is None:
         parts = mechanism._parts
@@ -105,7 +157,7 @@ def start_of(mechanism: Mechanism, guess: Guess, values: Array) -> Configuration
         # The same machine, from another process or with other parameters.
         return _assembled_at_guess(mechanism, guess.joint_values, values)
     if isinstance(guess, str):
-        return mechanism.pose(guess)
+        return mechanism._poses.get(guess) or mechanism.pose(guess)
     by_name = named_values(guess, "joint values of a guess")
     if by_name is None:
         message = (

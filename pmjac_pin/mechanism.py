@@ -6,19 +6,19 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
+from pmjac_pin import direct_kinematics
 from pmjac_pin.closing.arms import arms_of, without_arms
 from pmjac_pin.closing.assembly import build_parts
-from pmjac_pin.closing.motor_values import Motors, MotorValues
+from pmjac_pin.closing.motor_values import Motors
 from pmjac_pin.closing.pose_assembly import assemble_pose
 from pmjac_pin.closing.recorded_mechanism import RecordedMechanism
 from pmjac_pin.closing.step_guard import StepGuard
 from pmjac_pin.configuration import Configuration
-from pmjac_pin.direct_kinematics import Guess, close
 from pmjac_pin.errors import ArgumentError, unknown_name
 from pmjac_pin.mechanism_siblings import MechanismSiblings
 from pmjac_pin.model.limits import unread_limits
@@ -156,7 +156,7 @@ class Mechanism(MechanismSiblings, Shown):
         ClosureError
             The loops do not close near it, or not within the joints' limits.
         """
-        if not isinstance(name, str) or name not in self.spec.poses:
+        if not isinstance(name, str) or name not in self._parts.spec.poses:
             raise unknown_name("pose", name, self.poses)
         if name not in self._poses:
             parts, q = self._parts, self._parts.home_q
@@ -198,63 +198,7 @@ class Mechanism(MechanismSiblings, Shown):
         columns = parts.problem.partition.columns
         return MappingProxyType({name: float(change[k]) for name, k in columns.items()})
 
-    def close(
-        self,
-        actuated: MotorValues,
-        guess: Guess = "home",
-        *,
-        enforce_limits: bool | Literal["all"] = True,
-    ) -> Configuration:
-        """Close the loops at these motor values: direct kinematics by continuation.
-
-        Walks from the guess to the target along a straight line in the motor values, with
-        Newton's method on the passive joints at every step, and stays on the guess's assembly
-        mode. A step is taken only where K* is shown to be regular along the whole of it, from
-        its values at three poses and bounds on its derivatives from the links' lengths: what
-        comes closer to singular than 1e-6 ends the path, and only the target itself may be
-        singular. `docs/closing_loops.md` says what this rests on: with joints that are not known
-        (helical, mimic, composite), the three poses alone. With more motors than freedom, as many
-        as may move at will walk straight, and the values of the others must fit at the end; an
-        error says first how the loops tie them.
-
-        Parameters
-        ----------
-        actuated : array_like, shape (n,), or mapping of str to float
-            Motor values, m or rad: in the order of `actuated`, or by name where they have names,
-            as those of a pandas Series do.
-        guess : str, Configuration or mapping of str to float
-            Where to start: a pose's name, a configuration, or joint values; joints that a
-            mapping does not name are taken from the target (motors) and from home. The loops
-            of a mapping are closed as those of a pose are, the motors at rest; it is an error
-            where that fails.
-        enforce_limits : bool or "all"
-            Refuse motor values outside the motors' limits; with "all", also a pose that has a
-            passive joint outside its limits. Passive joints are looked at where the path ends,
-            not on the way; without "all", `Configuration.limits_violated` names them.
-
-        Returns
-        -------
-        Configuration
-            Closed to `tolerance`.
-
-        Raises
-        ------
-        ClosureError
-            The path meets a singularity, the target is out of reach, the loops forbid the motors
-            to move so together (`ties` says how they tie them), or the path is too long for one
-            call. Attributes: the smallest gap found at the target (`residual_norm`, `q`), the
-            last closed pose on the path (`reached`, a Configuration), the `share` of the path
-            up to there.
-        LimitError, ArgumentError, UnknownNameError
-
-        Examples
-        --------
-        >>> import pmjac_pin as pj
-        >>> mechanism = pj.load("three_rps")
-        >>> configuration = mechanism.close([1.0, 1.1, 0.9])
-        >>> nearby = mechanism.close([1.0, 1.1, 0.95], guess=configuration)
-        """
-        return close(self, actuated, guess, enforce_limits)
+    close = direct_kinematics.close
 
     def loop_equations(self, q: ArrayLike) -> tuple[Array, Array]:
         """Return the loop equations and their derivative at any q, closed or not.
@@ -338,7 +282,7 @@ class Mechanism(MechanismSiblings, Shown):
         return StepGuard(parts.model, arms)
 
     def _checked(self, q: ArrayLike) -> Array:
-        values = as_numbers(q, "q")
-        if values.shape != (self.nq,):
+        values, parts = as_numbers(q, "q"), self._parts
+        if values.shape != parts.home_q.shape:
             raise ArgumentError(f"q has nq = {self.nq} entries, got shape {values.shape}")
-        return with_unit_turns(self._parts.model, values)
+        return with_unit_turns(parts.model, values)

@@ -1,21 +1,25 @@
 """Run a part of the quick tests over a matrix: each Python, lowest and newest versions.
 
 For each cell it makes an environment in a temporary folder, installs there the wheel that
-``make dist`` has built, with all that is optional, and runs the tests against what is installed.
-"Lowest" is of each requirement the lowest version that pyproject.toml declares, or the first one
-after it of which this Python has a wheel; "newest" the newest that there is. A Python that is not
-on the path, nor among pyenv's, is told as not tried.
+``make dist`` has built, with all that is optional, and runs the tests against what is installed;
+two cells at a time. "Lowest" is of each requirement the lowest version that pyproject.toml
+declares, or the first one after it of which this Python has a wheel; "newest" the newest that there
+is. A Python that is not on the path, nor among pyenv's, is told as not tried.
+
+The libraries of ``pmjac_pin.adapters`` are installed too, and test_adapters.py runs with those that
+have wheels for the cell; of the others it says so.
 
     make matrix
     python scripts/test_matrix.py [--python 3.11 ...] [--versions lowest ...] [--tests NAME ...]
+                                  [--adapters [NAME ...]]
 
-The latter after ``make dist``, which installs the extra ``release`` for both. The extras of
-``pmjac_pin.adapters`` are not in it.
+The latter after ``make dist``, which installs the extra ``release`` for both.
 """
 
 from __future__ import annotations
 
 import argparse
+import itertools
 import os
 import re
 import shutil
@@ -25,15 +29,21 @@ import tempfile
 import time
 import tomllib
 from collections.abc import Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+EXTRAS = PROJECT["optional-dependencies"]
 PYTHONS = ("3.11", "3.12", "3.13")
 #: What uv is told, by the name of a column.
 RESOLUTIONS = {"lowest": "lowest-direct", "newest": "highest"}
+OPTIONAL = ("mjcf", "plot", "sweep", "table", "view")
+#: The extras that pmjac_pin.adapters are for.
+ADAPTERS = tuple(re.findall(r"\w+", EXTRAS["adapters"][0].partition("[")[2]))
 #: What the tests need besides.
-TOOLS = ("pytest>=8", "hypothesis>=6.100", "mpmath>=1.3")
+TOOLS = ("pytest>=8.2", "hypothesis>=6.100", "mpmath>=1.3")
 
 #: At least one for each dependency, and for each thing that one can do with the package.
 TESTS = (
@@ -68,25 +78,31 @@ TESTS = (
 
 @dataclass(frozen=True)
 class Cell:
-    """What became of one Python with one choice of versions."""
+    """One Python with one choice of versions, and what is to run there."""
 
     python: str
     versions: str
+    tests: Sequence[str]
+    adapters: Sequence[str]
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What became of a cell."""
+
     passed: bool
     told: str
 
 
-def declared() -> dict[str, str]:
-    """Return the lowest version of each requirement, with those of all that is optional."""
-    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-    extras = project["optional-dependencies"]
-    optional = [one for name in ("mjcf", "plot", "sweep", "table", "view") for one in extras[name]]
-    return dict(one.split(">=") for one in project["dependencies"] + optional)
+def declared(extras: Sequence[str]) -> dict[str, str]:
+    """Return the lowest version of each requirement, with those of what is optional."""
+    optional = [one for name in extras for one in EXTRAS[name] if ">=" in one]
+    return dict(one.split(">=") for one in PROJECT["dependencies"] + optional)
 
 
 def interpreter(version: str) -> str | None:
     """Return a Python of this version: on the path, or of pyenv's; None where there is none."""
-    candidates = [shutil.which(f"python{version}")]
+    candidates = [sys.executable, shutil.which(f"python{version}")]
     if root := shutil.which("pyenv") and _said(["pyenv", "root"]):
         candidates += sorted(map(str, Path(root).glob(f"versions/{version}.*/bin/python")))
     asked = ["-c", "import sys; print('%d.%d' % sys.version_info[:2])"]
@@ -101,59 +117,81 @@ def _said(command: list[str]) -> str:
     return "" if done.returncode else done.stdout.strip()
 
 
-def tried(python: str, versions: str, wheel: Path, tests: Sequence[str]) -> Cell:
+def tried(cell: Cell, wheel: Path) -> Outcome:
     """Make the environment of a cell, run the tests in it, and remove it."""
-    if (found := interpreter(python)) is None:
-        return Cell(python, versions, True, "not tried: no such Python here")
+    if (found := interpreter(cell.python)) is None:
+        return Outcome(True, "not tried: no such Python here")
     start = time.perf_counter()
     with tempfile.TemporaryDirectory(prefix="matrix_") as folder:
         environment = Path(folder)
-        if problem := _installed(environment, found, versions, wheel):
-            return Cell(python, versions, False, problem)
-        other = ", ".join(_other_than_declared(environment)) if versions == "lowest" else ""
-        last, passed = _tested(environment, versions, tests)
-    seconds = f"{time.perf_counter() - start:.0f} s"
-    return Cell(python, versions, passed, "; ".join(filter(None, (last, seconds, other))))
+        run("venv", "--quiet", "--clear", "--python", found, folder)
+        adapters, problem = cell.adapters, installed(environment, cell, cell.adapters, wheel)
+        if problem and adapters:
+            adapters = [name for name in adapters if installable(environment, cell, name, wheel)]
+            problem = installed(environment, cell, adapters, wheel)
+        if problem:
+            return Outcome(False, f"not installed: {problem}")
+        told, passed = tested(environment, cell, adapters)
+        told.append(f"{time.perf_counter() - start:.0f} s")
+        if missing := [name for name in cell.adapters if name not in adapters]:
+            told.append(f"no wheels for {', '.join(missing)}")
+        if cell.versions == "lowest":
+            told.extend(other_than_declared(environment, adapters))
+    return Outcome(passed, "; ".join(told))
 
 
-def _installed(environment: Path, python: str, versions: str, wheel: Path) -> str:
-    """Install into an environment; return what went wrong."""
+def run(*command: str) -> str:
+    """Run uv, and return what went wrong."""
     uv = [sys.executable, "-m", "uv"]
+    done = subprocess.run([*uv, *command], capture_output=True, text=True, check=False)
+    return " ".join(done.stderr.split()) if done.returncode else ""
+
+
+def installed(
+    environment: Path, cell: Cell, adapters: Sequence[str], wheel: Path, *how: str
+) -> str:
+    """Install into an environment; return what went wrong."""
+    extras = (*OPTIONAL, *adapters)
     # Named, each is a direct one: only of these uv takes the lowest.
-    direct = [f"{name}>={lowest}" for name, lowest in declared().items()]
-    what = [f"pmjac_pin[all] @ {wheel.as_uri()}", *direct, *TOOLS]
-    how = ["--only-binary", ":all:", "--resolution", RESOLUTIONS[versions]]
+    direct = [f"{name}>={lowest}" for name, lowest in declared(extras).items()]
+    what = [f"pmjac_pin[{','.join(extras)}] @ {wheel.as_uri()}", *direct, *TOOLS]
+    wheels = ["--only-binary", ":all:", "--resolution", RESOLUTIONS[cell.versions]]
     into = ["--python", str(environment / "bin" / "python")]
-    for command in (
-        [*uv, "venv", "--quiet", "--clear", "--python", python, str(environment)],
-        [*uv, "pip", "install", "--quiet", *into, *how, *what],
-    ):
-        done = subprocess.run(command, capture_output=True, text=True, check=False)
-        if done.returncode:
-            return "not installed: " + " ".join(done.stderr.split())
-    return ""
+    return run("pip", "install", "--quiet", *how, *into, *wheels, *what)
 
 
-def _other_than_declared(environment: Path) -> Iterator[str]:
+def installable(environment: Path, cell: Cell, adapter: str, wheel: Path) -> bool:
+    """Return whether what an adapter is for has wheels that install beside the others."""
+    return not installed(environment, cell, [adapter], wheel, "--dry-run")
+
+
+def other_than_declared(environment: Path, adapters: Sequence[str]) -> Iterator[str]:
     """Name what is newer than the lowest version that is declared, for want of a wheel."""
-    python = [str(environment / "bin" / "python"), "-c"]
-    for name, lowest in declared().items():
-        code = f"import importlib.metadata as m; print(m.version({name!r}))"
-        found = _said([*python, code])
-        if [int(k) for k in re.findall(r"\d+", found)][: lowest.count(".") + 1] != [
-            int(k) for k in lowest.split(".")
+    lowest = declared((*OPTIONAL, *adapters))
+    code = "import importlib.metadata as m, sys; print(*map(m.version, sys.argv[1:]))"
+    versions = _said([str(environment / "bin" / "python"), "-c", code, *lowest])
+    for (name, asked), found in zip(lowest.items(), versions.split(), strict=True):
+        if [int(k) for k in re.findall(r"\d+", found)][: asked.count(".") + 1] != [
+            int(k) for k in asked.split(".")
         ]:
             yield f"{name} {found}"
 
 
-def _tested(environment: Path, versions: str, tests: Sequence[str]) -> tuple[str, bool]:
-    """Return pytest's last line, and whether all tests passed."""
-    # Not as a module: the folder that it is started in would stand before what is installed.
-    pytest = [environment / "bin" / "pytest", "-q", "-m", "not slow", "-p", "no:cacheprovider"]
+def tested(environment: Path, cell: Cell, adapters: Sequence[str]) -> tuple[list[str], bool]:
+    """Return pytest's last lines, and whether all tests passed."""
+    runs = [["-m", "not slow", *(f"tests/{name}" for name in cell.tests)]]
+    if adapters:
+        runs.append(["tests/test_adapters.py"])
     # Old packages use what newer ones that they need call deprecated.
-    tolerant = ["-W", "ignore::DeprecationWarning"] if versions == "lowest" else []
+    tolerant = ["-W", "ignore::DeprecationWarning"] if cell.versions == "lowest" else []
+    outcomes = [_pytest(environment, [*tolerant, *arguments]) for arguments in runs]
+    return [told for told, _ in outcomes], all(passed for _, passed in outcomes)
+
+
+def _pytest(environment: Path, arguments: Sequence[str]) -> tuple[str, bool]:
+    # Not as a module: the folder that it is started in would stand before what is installed.
     done = subprocess.run(
-        [*pytest, *tolerant, *(f"tests/{name}" for name in tests)],
+        [environment / "bin" / "pytest", "-q", "-p", "no:cacheprovider", *arguments],
         cwd=ROOT,
         env={**os.environ, "OPENBLAS_NUM_THREADS": "1"},
         capture_output=True,
@@ -171,6 +209,7 @@ def main() -> int:
     parser.add_argument("--python", nargs="+", default=PYTHONS)
     parser.add_argument("--versions", nargs="+", default=list(RESOLUTIONS), choices=RESOLUTIONS)
     parser.add_argument("--tests", nargs="+", default=TESTS)
+    parser.add_argument("--adapters", nargs="*", default=ADAPTERS, choices=ADAPTERS)
     parser.add_argument("--dist", type=Path, default=ROOT / "dist")
     asked = parser.parse_args()
     wheels = sorted(asked.dist.resolve().glob("*.whl"))
@@ -178,12 +217,17 @@ def main() -> int:
         found = f"one wheel is wanted in {asked.dist}, there are {len(wheels)}"
         print(f"{found}: `make dist` builds it")
         return 1
+    cells = [
+        Cell(python, versions, asked.tests, asked.adapters)
+        for python in asked.python
+        for versions in asked.versions
+    ]
     failed = False
-    for python in asked.python:
-        for versions in asked.versions:
-            cell = tried(python, versions, wheels[0], asked.tests)
-            failed |= not cell.passed
-            print(f"Python {python}, {versions} versions: {cell.told}", flush=True)
+    with ThreadPoolExecutor(max_workers=2) as two:
+        outcomes = two.map(tried, cells, itertools.repeat(wheels[0]))
+        for cell, outcome in zip(cells, outcomes, strict=True):
+            failed |= not outcome.passed
+            print(f"Python {cell.python}, {cell.versions} versions: {outcome.told}", flush=True)
     return int(failed)
 
 

@@ -143,10 +143,11 @@ def test_casadi(name, rng):
 
 def values_of(library, program, q, parameters):
     """Return what an adapter's function gives for one pose of one design."""
+    function = adapter(library).function
     if library == "jax":
         importlib.import_module("jax").config.update("jax_enable_x64", True)
-        return adapter("jax").function(program)(q, parameters)
-    found = adapter("casadi").function(program)(q=q, parameters=parameters)
+        return function(program)(q, parameters)
+    found = function(program)(q=q, parameters=parameters)
     return {name: np.array(value) for name, value in found.items()}
 
 
@@ -400,6 +401,9 @@ def test_crocoddyl_is_refused_what_does_not_fit():
     np.testing.assert_array_equal(data.tau, [3.0, 0.0, 0.0, 0.0])
     with pytest.raises(pj.LimitError):
         both.calc(data, np.full(8, 3.0), np.zeros(3))
+    both.calcDiff(data, np.zeros(8), np.array([0.0, 0.0, 3.0]))
+    np.testing.assert_array_equal(data.dtau_dx, 0.0)  # a motor of its own is no gear
+    np.testing.assert_array_equal(data.dtau_du[:2], [[0.0, 0.0, 1.0], [0.0, 0.0, 0.0]])
 
 
 @slow

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from concurrent.futures import ThreadPoolExecutor
 
 import mechanisms
 import numpy as np
@@ -12,6 +13,7 @@ from mechanisms import loaded
 from random_machines import Tree, at
 
 import pmjac_pin as pj
+from pmjac_pin.closing.generic_ranks import ranked
 from pmjac_pin.closing.nearby_poses import FARTHEST
 
 
@@ -297,3 +299,23 @@ def test_nothing_idles_in_a_structure():
     assert (found.kind, found.idle, found.idle_motions.shape[1]) == ("isolated", 0, 0)
     assert "no pose near home closes" in str(pj.prove(mechanism, mechanism.home.actuated).evidence)
     pj.assembly_modes(mechanism, mechanism.home.actuated, rng=0)  # refuses nothing that idles
+
+
+def test_ranks_are_found_when_they_are_asked_for_and_are_one_for_all_threads(monkeypatch):
+    found = []
+
+    def counted(*given):
+        found.append(ranked(*given))
+        return found[-1]
+
+    monkeypatch.setattr("pmjac_pin.closing.parts.ranked", counted)
+    mechanism = pj.load("four_bar")
+    assert found == []
+    with ThreadPoolExecutor(4) as pool:
+        problems = list(pool.map(lambda _: mechanism.problem, range(8)))
+    assert all(problem is problems[0] for problem in problems)
+    count = len(found)
+    assert any(problem is problems[0] for problem in found)
+    mechanism.home.jacobian()
+    assert mechanism.mobility == 1
+    assert len(found) == count

@@ -7,7 +7,7 @@ import pytest
 from mechanisms import CATALOGUE, loaded, mostly_slow
 
 import pmjac_pin as pj
-from pmjac_pin.studies.homotopy.curve import Curve, Planes
+from pmjac_pin.studies.homotopy.curve import Curve, machine_plane, same_plane
 from pmjac_pin.studies.homotopy.curve_kernel import curve_kernel
 from pmjac_pin.studies.homotopy.machines import Line, Machines
 from pmjac_pin.studies.homotopy.monodromy import STRAIGHT, PlaneSection
@@ -73,7 +73,7 @@ def test_all_points_of_an_irreducible_cubic(rng):
     assert len(section.points) == 3
     assert section.components().max() == 0
     assert max(section.bends(section.components())) < STRAIGHT
-    on_plane = section.points @ section.normal - section.offset
+    on_plane = section.points @ section.plane[:-1] - section.plane[-1]
     assert np.abs(on_plane).max() <= 1e-9
 
 
@@ -96,9 +96,7 @@ def test_the_trace_of_a_part_is_bent(rng):
     labels = section.components()
     for missing in range(4):
         part = np.delete(np.arange(4), missing)
-        some = PlaneSection(
-            section.curve, section.normal, section.offset, section.points[part], section.links[:0]
-        )
+        some = PlaneSection(section.curve, section.plane, section.points[part], section.links[:0])
         assert some.bends(np.zeros(3, dtype=int))[0] > 1e-3
     mixed = np.where(np.arange(4) == np.flatnonzero(labels == 0)[0], 1, 0)
     assert max(section.bends(mixed)) > 1e-3
@@ -113,9 +111,7 @@ def test_the_trace_of_the_four_bars_curve_knows_a_missing_point(rng):
     section = grown(PlaneSection.through(curve, np.append(x, 0.0), rng), rng, 8)
     assert len(section.points) == 4
     assert section.bends(np.zeros(4, dtype=int))[0] < STRAIGHT
-    fewer = PlaneSection(
-        curve, section.normal, section.offset, section.points[1:], section.links[:0]
-    )
+    fewer = PlaneSection(curve, section.plane, section.points[1:], section.links[:0])
     assert fewer.bends(np.zeros(3, dtype=int))[0] > 1e-3
 
 
@@ -124,11 +120,11 @@ def test_walking_there_and_back_the_same_way_changes_nothing(rng, share):
     root = np.roots([1.0, 0.0, share**2, 1.0 - 2 * share])
     points = np.column_stack([root, np.full(3, share)]).astype(complex)
     curve = Curve(CUBIC)
-    here = Planes.at_machine(share, 1, 3)
-    there = Planes.all_at(np.array([0.4 + 0.2j, 1.0]), 0.7j, 3)
+    here = machine_plane(share, 1, 3)
+    there = same_plane(np.array([0.4 + 0.2j, 1.0, 0.7j]), 3)
     moved, arrived = curve.walk(points, here, there)
     assert arrived.all()
-    assert np.abs((there.normals * moved).sum(axis=1) - there.offsets).max() <= 1e-9
+    assert np.abs((there[:, :-1] * moved).sum(axis=1) - there[:, -1]).max() <= 1e-9
     back, arrived = curve.walk(moved, there, here)
     assert arrived.all()
     np.testing.assert_allclose(back, points, atol=1e-8)
@@ -141,8 +137,8 @@ def test_a_path_to_infinity_is_told_and_one_far_away_arrives():
         ends = led(
             Curve(line),
             np.array([[1.0 / (1.0 + d), 1.0]], complex),
-            Planes.at_machine(1.0, 1, 1),
-            Planes.at_machine(0.0, 1, 1),
+            machine_plane(1.0, 1, 1),
+            machine_plane(0.0, 1, 1),
         )
         assert (ends.arrived[0], ends.to_infinity[0], ends.lost) == (bool(far), not far, 0)
         if far:
@@ -153,7 +149,7 @@ def test_a_double_point_is_lost():
     """x² = t, led to t = 0."""
     line = PlaneCurve(2, lambda x, t: x * x - t, lambda x, t: (2 * x, 0 * t - 1.0))
     starts = np.array([[1.0, 1.0], [-1.0, 1.0]], complex)
-    ends = led(Curve(line), starts, Planes.at_machine(1.0, 1, 2), Planes.at_machine(0.0, 1, 2))
+    ends = led(Curve(line), starts, machine_plane(1.0, 1, 2), machine_plane(0.0, 1, 2))
     assert (ends.arrived.any(), ends.to_infinity.any(), ends.lost) == (False, False, 2)
 
 
@@ -180,8 +176,7 @@ def test_the_kernel_follows_as_numpy_does(name, rng):
     section = PlaneSection.through(Curve(line), point, rng)
     count = 70
     there = rng.normal(size=(2, count, point.size + 1))
-    there = Planes(*np.split(there[0] + 1j * there[1], [point.size], axis=1))
-    there = Planes(there.normals, there.offsets[:, 0])
+    there = there[0] + 1j * there[1]
     for many in (count, 1, 0):
         here, ends = section.planes(count=many), there[np.arange(many)]
         points = np.tile(point, (many, 1))

@@ -6,6 +6,7 @@ import sqlite3
 from collections import namedtuple
 from types import MappingProxyType
 
+import mechanisms
 import numpy as np
 import pandas
 import pytest
@@ -205,3 +206,27 @@ def test_of_a_table_one_row_is_wanted(rows):
     ):
         mechanism.close(frame)
     np.testing.assert_array_equal(mechanism.close(frame.iloc[0]).q, mechanism.home.q)
+
+
+@pytest.mark.parametrize("name", mechanisms.CATALOGUE)
+def test_motors_know_their_values_as_the_coordinates_do(name, rng):
+    """Among them such as turn endlessly, and such as are entries of q."""
+    mechanism = loaded(name)
+    coordinates, motors = mechanism.coordinates, mechanism.motors
+    columns, q = mechanism.problem.partition.actuated, mechanism.home.q
+    for size in (0.1, 1.0, 10.0):
+        values = mechanism.home.actuated + rng.normal(0.0, size, columns.size)
+        there = motors.at(q, values)
+        np.testing.assert_array_equal(there, coordinates.with_values(q, columns, values))
+        np.testing.assert_array_equal(
+            motors.way(q, values), coordinates.motion_to(q, columns, values)
+        )
+        np.testing.assert_allclose(motors.way(there, values), 0.0, atol=1e-14)
+        beyond = coordinates.outside(values, columns)
+        within = motors.within_limits(values)
+        assert (within is None) == bool(beyond)
+        if within is not None:
+            np.testing.assert_array_equal(within, values)
+            assert not np.shares_memory(within, values)
+    for other in (q.tolist(), values[:0], values.astype(np.float32), np.full(columns.size, np.nan)):
+        assert motors.within_limits(other) is None

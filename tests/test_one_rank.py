@@ -13,7 +13,7 @@ REVEALING = {
 }
 #: Where something else is asked than a rank, and what.
 OTHERWISE = {
-    "files/inertia.py": {"eigh"},  # the principal moments of a body, none below zero
+    "files/sdf/inertials.py": {"eigh"},  # the principal moments of a body, none below zero
     "rates/factorisation.py": {"svd"},
     "rates/dynamics.py": {"eigh", "eigvalsh"},  # whether all that is driven, or idles, has mass
     "rates/gradients.py": {"svd"},  # the singular values that are measured

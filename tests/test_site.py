@@ -69,10 +69,34 @@ def test_the_calls_that_answer_questions_exist(call):
     assert callable(reduce(getattr, call.split("."), pj))
 
 
+ROWS = [
+    (re.findall(r"`pj\.([\w.]+)`", line), re.findall(r"\]\(([^)#]+)", line))
+    for line in (DOCS / "which_call.md").read_text(encoding="utf-8").splitlines()
+    if "`pj." in line
+]
+
+
+@pytest.mark.parametrize(("calls", "targets"), [row for row in ROWS if row[1]])
+def test_the_page_beside_a_call_speaks_of_it(calls, targets):
+    told = "".join((DOCS / target).read_text(encoding="utf-8") for target in targets)
+    for call in calls:
+        assert re.search(rf"\b{call.split('.')[-1]}\b", told)
+
+
 def test_links_stay_on_the_site(site):
     for page in site.glob("*.md"):
         for target in re.findall(r"\]\((?![a-z]+:|#)([^)#]+)", page.read_text()):
             assert target in stage.MADE or (page.parent / target).exists(), (page, target)
+
+
+def test_links_to_elsewhere_are_whole_and_lead_somewhere_safe(site):
+    """Whether what they lead to is there, nothing here can ask."""
+    for page in [*site.glob("*.md"), ROOT / "paper.md"]:
+        prose = re.sub(r"^```.*?^```|`[^`\n]*`", "", page.read_text(), flags=re.M | re.S)
+        for target in re.findall(r"\]\(([a-z]+:[^)]*)\)", prose):
+            assert re.fullmatch(r"https://[\w-]+(\.[\w-]+)+(/[\w./#%~-]*)?", target), (page, target)
+        unlinked = re.sub(r"\]\([^)]*\)", "", prose)
+        assert not re.search(r"://|\b[\w-]+/[\w-]+#\d", unlinked), page
 
 
 def test_a_link_to_a_file_that_is_not_on_the_site_becomes_its_words():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 
 import mechanisms
@@ -13,6 +14,7 @@ from mechanisms import loaded
 import pmjac_pin as pj
 from pmjac_pin.closing.arms import without_arms
 from pmjac_pin.closing.closed import closed_point
+from pmjac_pin.closing.closure import is_invertible
 from pmjac_pin.closing.step_guard import StepGuard
 
 NOTHING = np.full(1, 1e9)
@@ -283,6 +285,35 @@ def judged(mechanism, target, monkeypatch):
         guard.covers_straight(problem, *ends[0][:2])
         guard.covers(problem, *ends[0])
     return ends[0], known[0], known[1]
+
+
+def test_where_ends_alone_cover_a_step_it_ends_at_an_invertible_pose(rng, monkeypatch):
+    """So that nobody has to look: on steps into folds and out of them, too."""
+    seen, covers = [], StepGuard.covers_straight
+
+    def watched(guard, problem, start, end):
+        covered = covers(guard, problem, start, end)
+        if covered:
+            weakest = end.factors.singular_values[problem.partition.passive_rank - 1]
+            assert is_invertible(end, problem.partition)
+            seen.append(weakest / end.factors.size)
+        return covered
+
+    monkeypatch.setattr(StepGuard, "covers_straight", watched)
+    mechanism = pj.load("planar_3rrr")
+    for _ in range(6):
+        with pytest.raises(pj.ClosureError) as caught:
+            mechanism.close(
+                mechanism.home.actuated + 10.0 * rng.normal(size=3), enforce_limits=False
+            )
+        pose, fold = mechanism.home, caught.value.reached.actuated
+        for left in 10.0 ** np.arange(-1.0, -9.0, -1.0):
+            for share in (left, 0.9 * left):
+                target = fold + share * (mechanism.home.actuated - fold)
+                with contextlib.suppress(pj.ClosureError):
+                    pose = mechanism.close(target, guess=pose, enforce_limits=False)
+    assert len(seen) > 30
+    assert min(seen) < 1e-3
 
 
 def test_ends_alone_prove_nothing_of_joints_that_are_not_known():

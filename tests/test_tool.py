@@ -15,8 +15,8 @@ from pmjac_pin.model.tool_spec import Tool
 def at(model, tool, q):
     data = model.createData()
     pin.computeJointJacobians(model, data, q)
-    rotation, position = tool.pose(model, data)
-    return rotation, position, tool.jacobian(model, data)
+    jacobian, pose = tool.at(model, data)
+    return pose.rotation, pose.translation, jacobian
 
 
 @pytest.mark.parametrize("points", [("S1", "S2", "S3"), ("S2", "base", "leg1_rod")])

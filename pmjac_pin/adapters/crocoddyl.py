@@ -86,7 +86,7 @@ class TransmissionActuation(crocoddyl.ActuationModelAbstract):
         data.dtau_du = self._driven @ self._ratio(x).T
         exerted = zip(np.split(u, self._ends), self._geared(x), strict=False)
         bent = [np.einsum("i,ijk->jk", efforts, each.curvature) for efforts, each in exerted]
-        by_q = self._driven @ block_diag(*bent, 0.0 * self._direct) @ self._driven.T
+        by_q = self._driven @ block_diag(*bent, np.zeros_like(self._direct)) @ self._driven.T
         data.dtau_dx = np.hstack([by_q, np.zeros_like(by_q)])
 
     def commands(self, data: Any, x: Array, tau: Array) -> None:

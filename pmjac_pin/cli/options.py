@@ -179,8 +179,13 @@ def parsed_values(option: str, given: str) -> list[float] | dict[str, float]:
     items = given.split(",")
     if all("=" in item for item in items):
         return numbers_by_name(option, items)
+    return numbers_given(option, given)
+
+
+def numbers_given(option: str, given: str) -> list[float]:
+    """Return the numbers that an option gives."""
     try:
-        return [float(item) for item in items]
+        return [float(item) for item in given.split(",")]
     except ValueError:
         message = f"{option} takes numbers joined by commas, such as 0.5,1,2; got {quoted(given)}"
         raise ArgumentError(message) from None

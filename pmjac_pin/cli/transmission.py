@@ -14,6 +14,7 @@ from pmjac_pin.cli.options import (
     Force,
     NameOption,
     check_output,
+    numbers_given,
     output_option,
     ranges_by_name,
     split_names,
@@ -103,13 +104,10 @@ def transmission_command(
 ) -> Output:
     """Tabulate how motors and the joints that they drive by rods are geared; write it as C."""
     paths = output or []
-    for path in paths:
-        check_output(path, (*TABLE_SUFFIXES, _PLUGIN, *_FIGURES), force)
-        if Path(path).suffix in _FIGURES:
-            check_figure_file(path)
+    _check_outputs(paths, force)
     header = _header_of_plugins(paths)
     table = where.table(choice.load(mechanism))
-    given = _limits_given(limits, len(table.motors))
+    given = [1.0] * len(table.motors) if limits is None else numbers_given("--limits", limits)
     blocks = list(transmission_blocks(table, given))
     for path in paths:
         if Path(path).suffix in _FIGURES:
@@ -122,6 +120,13 @@ def transmission_command(
     return [*blocks, *map(Verbatim, paths)]
 
 
+def _check_outputs(paths: list[str], force: bool) -> None:
+    for path in paths:
+        check_output(path, (*TABLE_SUFFIXES, _PLUGIN, *_FIGURES), force)
+        if Path(path).suffix in _FIGURES:
+            check_figure_file(path)
+
+
 def _header_of_plugins(paths: list[str]) -> str:
     """Return the name of the header that is written beside plugins, which include it."""
     plugins, headers = (
@@ -131,13 +136,3 @@ def _header_of_plugins(paths: list[str]) -> str:
         wanted = f"add -o {shown_path(plugins[0].with_suffix('.h'))}"
         raise ArgumentError(f"{shown_path(plugins[0])} includes a C header: {wanted}")
     return headers[0].name if headers else ""
-
-
-def _limits_given(given: str | None, count: int) -> list[float]:
-    if given is None:
-        return [1.0] * count
-    try:
-        return [float(item) for item in given.split(",")]
-    except ValueError:
-        wanted = "--limits takes numbers joined by commas, one a motor"
-        raise ArgumentError(f"{wanted}; got {quoted(given)}") from None

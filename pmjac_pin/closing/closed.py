@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 from pmjac_pin.closing.closure_problem import ClosureProblem
 from pmjac_pin.rates.factorisation import Factorisation
 from pmjac_pin.rates.partition import Partition
@@ -9,25 +11,27 @@ from pmjac_pin.values.arrays import Array, norm
 from pmjac_pin.values.found_once import found_once
 
 
+@dataclass(eq=False)
 class Closed:
     """A point on a path: closed loops, and K* factorised there, when it is asked for.
 
     Attributes
     ----------
     q : ndarray, shape (nq,)
+    gap : float
+        m.
     residual, scaled : ndarray, shapes (p,) and (p, nv)
         η in m, and [K K*] without dimension, each loop seen from the body that carries both ends.
     partition : Partition
     iterations : int
-    gap : float
-        m.
     """
 
-    def __init__(
-        self, q: Array, residual: Array, scaled: Array, partition: Partition, iterations: int
-    ) -> None:
-        self.q, self.residual, self.scaled = q, residual, scaled
-        self.partition, self.iterations, self.gap = partition, iterations, norm(residual)
+    q: Array
+    gap: float
+    residual: Array
+    scaled: Array
+    partition: Partition
+    iterations: int
 
     @found_once
     def factors(self) -> Factorisation:
@@ -40,5 +44,5 @@ class Closed:
 def closed_point(problem: ClosureProblem, q: Array, iterations: int = 0) -> Closed:
     """Evaluate at a q whose loops are closed."""
     partition, (residual, jacobian) = problem.partition, problem.evaluate(q)
-    scaled = partition.scaled(jacobian)
-    return Closed(q, residual * partition.row_scale, scaled, partition, iterations)
+    error, scaled = residual * partition.row_scale, jacobian * partition.scale
+    return Closed(q, norm(error), error, scaled, partition, iterations)

@@ -184,8 +184,8 @@ def corrected(problem: ClosureProblem, q: Array, tangent: Array, last: bool) -> 
     previous_gap, previous_size, left = np.inf, np.nan, np.nan
     for iteration in range(1, MOST_CORRECTIONS):
         ending = left <= enough
-        residual, jacobian = problem.evaluate(q) if ending else problem.loops.evaluate(q)
-        error, scaled = residual * partition.row_scale, partition.scaled(jacobian)
+        residual, jacobian = (problem.loops.closure if ending else problem.loops.evaluate)(q)
+        error, scaled = residual * partition.row_scale, jacobian * partition.scale
         gap, size = norm(error), 0.0
         closed = gap <= tolerance
         done = gap <= enough or (closed and (ending or gap > 0.5 * previous_gap))
@@ -194,7 +194,7 @@ def corrected(problem: ClosureProblem, q: Array, tangent: Array, last: bool) -> 
             size = norm(moves)
         if done or (closed and not math.isfinite(size)):
             if ending:
-                return Closed(q, error, scaled, partition, iteration)
+                return Closed(q, gap, error, scaled, partition, iteration)
             return closed_point(problem, q, iteration)
         if not (closed or size <= allowed):
             return None

@@ -62,10 +62,12 @@ def on_branch_of(
     rates : LoopRates
         There, by the problem's partition.
     """
+    partition = problem.partition
     if not (
         _exceeds(problem, rates)
-        or _may_exceed(problem, q, rates)
-        or _tool_may_exceed(problem, kinematics, q, rates)
+        # Where K* can have more than at home, it may get another rank beside the pose.
+        or (not partition.full and rank_changes(problem, q, rates))
+        or (not partition.tool_full and _tool_may_exceed(problem, kinematics, q, rates))
     ):
         return problem
     found = ranked(problem, kinematics, q)
@@ -97,11 +99,6 @@ def _exceeds_in_all(problem: ClosureProblem, rates: LoopRates) -> bool:
     return partition.factorise(rates.scaled, rates.size).rank > partition.constraint_rank
 
 
-def _may_exceed(problem: ClosureProblem, q: Array, rates: LoopRates) -> bool:
-    """Tell whether K* gets another rank beside a pose, where it can have more than at home."""
-    return not problem.partition.full and rank_changes(problem, q, rates)
-
-
 def _tool_may_exceed(
     problem: ClosureProblem, kinematics: Kinematics, q: Array, rates: LoopRates
 ) -> bool:
@@ -110,8 +107,6 @@ def _tool_may_exceed(
     Where [K K*] drops, branches meet, and what the tool seems to do is of none.
     """
     partition = problem.partition
-    if partition.tool_full:
-        return False
     whole = partition.factorise(rates.scaled, rates.size)
     if whole.rank < partition.constraint_rank:
         return False

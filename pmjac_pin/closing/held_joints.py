@@ -93,7 +93,8 @@ class HeldJoints:
         rates = np.array(
             [(f.joint in carried) * _velocities(self._placed[f.index] - centre) for f in frames]
         )
-        rotation, position = self._parts.kinematics.tool.pose(self._model, self._data)
+        pose = self._parts.kinematics.tool.at(self._model, self._data)[1]
+        rotation, position = pose.rotation, pose.translation
         if len(frames) == 1:
             aligned = rates[0]
         else:

@@ -53,7 +53,7 @@ class HomePose(NamedTuple):
     def at(cls, problem: ClosureProblem, q: Array) -> HomePose:
         """Return what there is to know of a closed pose."""
         factors = closed_point(problem, q).factors
-        values = factors.singular_values  # first: then they tell the rank, too
+        values = factors.singular_values
         smallest = values[: factors.rank].min(initial=np.inf)
         return cls(q, factors.rank, float(smallest) / (factors.size or 1.0))
 

@@ -71,10 +71,11 @@ class Size:
     ) -> None:
         model, loops, tool = kinematics.model, kinematics.loops, kinematics.tool
         data = kinematics.placed(q)
+        jacobian, pose = tool.at(model, data)
         places = data.oMf
         points = [places[end.frame].translation for ends in loops.ends for end in ends]
         if not spec.tool.is_none:
-            points.append(tool.pose(model, data)[1])
+            points.append(pose.translation)
         elif not points:
             places = data.oMf if model.nframes > 1 else data.oMi
             points = [place.translation for place in places.tolist()[1:]]
@@ -83,7 +84,7 @@ class Size:
         turned = (_arms(model, data, turns, ends) for ends in loops.ends)
         # Where nothing turns, how long a rod is does not matter to any rate.
         arms = [[*rod, *own] if own else [] for rod, own in zip(rods, turned, strict=True)]
-        turning = tool.jacobian(model, data)[:, turns]
+        turning = jacobian[:, turns]
         rounding = max(NO_LENGTH, _TOLERANCES * max(spec.tolerance or 0.0, opened))
         means = [_mean(np.array(own)) for own in arms]
         every = _mean(np.array([arm for own in arms for arm in own]))

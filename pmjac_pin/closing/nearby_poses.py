@@ -45,20 +45,18 @@ def nearby(problem: ClosureProblem, home_q: Array) -> list[Array]:
     rng = np.random.default_rng(0)
     allowed = _allowed(problem, home_q)
     directions = list(_directions(problem, allowed, rng))
+
+    def held(joints: Iterable[int]) -> Iterator[tuple[Array, Array]]:
+        return (_displaced(allowed, joint, rng) for joint in joints for _ in range(_SHAKEN))
+
+    moving = _moving(allowed)
     for distance in _seen_distances(problem):
-        starts = ((distance * step, weights) for step, weights in directions)
-        found = _closed_starts(problem, home_q, starts, distance)
-        if not found:
-            held = (_displaced(allowed, k, rng) for k in _moving(allowed) for _ in range(_SHAKEN))
-            starts = ((distance * step, weights) for step, weights in held)
-            found = _closed_starts(problem, home_q, starts, distance)
-        if found:
+        found = _closed_starts(problem, home_q, directions, distance)
+        if found := found or _closed_starts(problem, home_q, held(moving), distance):
             return found
-    for joint in _moving(allowed):
+    for joint in moving:
         for distance in _short_distances(problem, joint):
-            held = (_displaced(allowed, joint, rng) for _ in range(_SHAKEN))
-            starts = ((distance * step, weights) for step, weights in held)
-            if found := _closed_starts(problem, home_q, starts, distance):
+            if found := _closed_starts(problem, home_q, held([joint]), distance):
                 return found
     return []
 
@@ -112,7 +110,7 @@ def _farthest_reach(
         for distance in distances
         for one in tries
         for way in (1.0, -1.0)
-        if _closed_starts(problem, q, [(way * distance * one, weights)], distance)
+        if _closed_starts(problem, q, [(way * one, weights)], distance)
     )
     return next(moved, 0.0)
 
@@ -175,12 +173,12 @@ def _displaced(allowed: Array, joint: int, rng: np.random.Generator) -> tuple[Ar
 
 
 def _closed_starts(
-    problem: ClosureProblem, q: Array, starts: Iterable[tuple[Array, Array]], distance: float
+    problem: ClosureProblem, q: Array, steps: Iterable[tuple[Array, Array]], distance: float
 ) -> list[Array]:
-    """Return where these starts close, away from q and not on another assembly mode."""
+    """Return where steps of this distance close, away from q and not on another assembly mode."""
     partition, found = problem.partition, []
-    for step, weights in starts:
-        start = problem.integrate(q, partition.length * partition.column_scale * step)
+    for step, weights in steps:
+        start = problem.integrate(q, partition.length * partition.column_scale * (distance * step))
         pose = assemble(problem, start, weights, limit=50)
         moved = problem.difference(q, pose.q) / partition.column_scale
         away = norm(moved) / (distance * partition.length)

@@ -16,6 +16,7 @@ from pmjac_pin.algebra.tape import Tape
 from pmjac_pin.closing import closure
 from pmjac_pin.closing.closure_problem import ClosureProblem
 from pmjac_pin.closing.kernel_walk import SPENT, KernelMachine, KernelWalk, PathsToWalk
+from pmjac_pin.closing.motor_values import Motors
 from pmjac_pin.closing.one_pose import SURELY
 from pmjac_pin.model.coordinates import JointCoordinates
 from pmjac_pin.values.arrays import Array
@@ -44,6 +45,7 @@ class OnePath:
         Those of a `Walker`: move, arrival and leg.
     problem : ClosureProblem
     coordinates : JointCoordinates
+    motors : Motors
     """
 
     def __init__(
@@ -52,14 +54,11 @@ class OnePath:
         tapes: tuple[Tape, Tape, Tape],
         problem: ClosureProblem,
         coordinates: JointCoordinates,
+        motors: Motors,
     ) -> None:
         partition = problem.partition
-        self._library, self._tapes, self._coordinates = library, tapes, coordinates
-        self._motors = partition.actuated
-        circles = coordinates.wraps[self._motors].astype(float)
-        self._circles = circles if circles.any() else None
-        self._entries = np.array([coordinates.entry(k) for k in self._motors.tolist()], dtype=int)
-        self._scale = 1.0 / partition.column_scale[self._motors]
+        self._library, self._tapes, self._motors = library, tapes, motors
+        self._scale = 1.0 / partition.motor_scale
         self._farthest = closure.MOST_STEPS * closure.LARGEST_STEP * partition.length
         rank_tolerance = partition.rank_tolerance / SURELY
         self._machine = KernelMachine(
@@ -78,9 +77,7 @@ class OnePath:
 
         None where a path is so long that another has to say where it ends.
         """
-        displacement = values - self._values(q)
-        if self._circles is not None:
-            displacement -= 2.0 * np.pi * np.round(displacement / (2.0 * np.pi)) * self._circles
+        displacement = self._motors.way(q, values)
         scaled = displacement * self._scale
         if not np.dot(scaled, scaled) <= self._farthest**2:
             return None
@@ -100,12 +97,7 @@ class OnePath:
 
     def _work(self) -> tuple[KernelWalk, PathsToWalk]:
         walk = KernelWalk(self._library, self._machine, self._tapes)
-        motors = np.zeros((2, 1, self._motors.size))
+        motors = np.zeros((2, 1, self._scale.size))
         paths = PathsToWalk.of(np.zeros((1, self._tapes[0].outputs)), *motors)
         walk.take(paths)
         return walk, paths
-
-    def _values(self, q: Array) -> Array:
-        if self._circles is None:
-            return q.take(self._entries)
-        return self._coordinates.values_of(q, self._motors)

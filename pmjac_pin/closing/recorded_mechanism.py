@@ -13,6 +13,7 @@ from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Generic, TypeVar
 
+from pmjac_pin.closing.motor_values import Motors
 from pmjac_pin.closing.parts import Parts
 from pmjac_pin.errors import ArgumentError
 from pmjac_pin.model.twist_frame import FrameName
@@ -216,8 +217,9 @@ class RecordedMechanism:
             tapes = self.walking
         except ArgumentError:
             return None
-        parts = self._parts
-        return OnePath(library, tapes, parts.problem, parts.coordinates)
+        parts, coordinates = self._parts, self._parts.coordinates
+        motors = Motors(parts.spec, coordinates)
+        return OnePath(library, tapes, parts.problem, coordinates, motors)
 
     def _recorded_slopes(self) -> RecordedSlopes | None:
         from pmjac_pin.closing.path_kernel import path_kernel  # noqa: PLC0415

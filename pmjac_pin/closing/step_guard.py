@@ -121,8 +121,8 @@ class StepGuard:
         residual, jacobian = problem.evaluate(problem.integrate(start.q, half))
         straight = inverse.dot((end.scaled - start.scaled).take(passive, axis=1))
         off = self._bends.off_closure * self._bends.block_norms(residual)[:, None]
-        left_out = partition.scaled(QUADRATIC * self._bends.rates(motion) + off)
-        scaled = partition.scaled(jacobian)
+        left_out = (QUADRATIC * self._bends.rates(motion) + off) * partition.scale
+        scaled = jacobian * partition.scale
         open_by = CUBIC * self._bends.residual(motion) + self._bends.rounding(motion)
         open_by *= partition.row_scale
         open_by += SLOPES * np.abs(end.residual - start.residual)
@@ -131,7 +131,7 @@ class StepGuard:
             sizes = PARABOLA * np.maximum.reduce(
                 [np.abs(start.scaled), scaled, -scaled, np.abs(end.scaled)]
             )
-            sizes += left_out + partition.scaled(self._bends.within(motion, aside))
+            sizes += left_out + self._bends.within(motion, aside) * partition.scale
             open_by += sizes.dot(aside / partition.column_scale)
         step = _ScaledStep(
             partition,
@@ -170,7 +170,7 @@ class StepGuard:
             motion,
             inverse,
             (change,),
-            partition.scaled(CHORD * left_out).take(passive, axis=1),
+            (CHORD * left_out * partition.scale).take(passive, axis=1),
             (CHORD * open_by + self._bends.rounding(motion)) * partition.row_scale,
             None,
         )
@@ -227,8 +227,8 @@ class StepGuard:
         partition = step.partition
         reach = np.zeros(partition.column_scale.size) if step.aside is None else step.aside.copy()
         joints = tube if mixed is None else mixed.dot(tube)
-        reach[partition.passive] = joints * partition.column_scale[partition.passive]
-        bound = partition.scaled(self._bends.within(step.motion, reach))
+        reach[partition.passive] = joints * partition.passive_scale
+        bound = self._bends.within(step.motion, reach) * partition.scale
         bound = bound.take(partition.passive, axis=1)
         return bound if mixed is None else bound.dot(mixed)
 

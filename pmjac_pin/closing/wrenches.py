@@ -52,7 +52,7 @@ def _by_tool(parts: Parts, wrenches: Wrenches) -> list[tuple[Tool, Array]]:
 
 def _held_by_motors(parts: Parts, q: Array, tool: Tool, wrench: Array, frame: FrameName) -> Array:
     kinematics = parts.kinematics
-    jacobian, rotation, position = kinematics.tool_at(q, tool_kinematics(kinematics.model, tool))
-    written = change_frame(jacobian, frame, rotation, position + parts.place)
+    jacobian, pose = kinematics.tool_at(q, tool_kinematics(kinematics.model, tool))
+    written = change_frame(jacobian, frame, pose.rotation, pose.translation + parts.place)
     held: Array = -written.T @ wrench
     return held

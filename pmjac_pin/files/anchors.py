@@ -10,6 +10,7 @@ import numpy as np
 import pinocchio as pin
 
 from pmjac_pin.errors import ModelFileError
+from pmjac_pin.files.tree_urdf import origin
 from pmjac_pin.files.unused_name import unused_name
 from pmjac_pin.files.xml_text import label, written
 from pmjac_pin.model.loop_spec import LOOP_KINDS, Loop
@@ -52,8 +53,8 @@ class Anchors:
         if parent is None or child is None:
             raise ModelFileError(f"{label(joint)} has no parent or no child")
         below, above = parent.get("link", ""), child.get("link", "")
-        for origin in joint.findall("origin"):
-            joint.remove(origin)
+        for old in joint.findall("origin"):
+            joint.remove(old)
         parent.set("link", above)
         child.set("link", below)
         if not placement.isIdentity(0.0):
@@ -73,15 +74,14 @@ class Anchors:
     def _weld(self, parent: str, child: str, placement: pin.SE3) -> None:
         name = unused_name(f"{child}_fixed", self._joints)
         joint = SubElement(self._robot, "joint", name=name, type="fixed")
-        rpy = pin.rpy.matrixToRpy(placement.rotation)
-        SubElement(joint, "origin", xyz=written(placement.translation), rpy=written(rpy))
+        SubElement(joint, "origin", origin(placement))
         SubElement(joint, "parent", link=parent)
         SubElement(joint, "child", link=child)
 
 
-def placement_of(origin: Element) -> pin.SE3:
+def placement_of(element: Element) -> pin.SE3:
     """Return the placement that a checked <origin> gives."""
-    xyz, rpy = (np.array(origin.get(key, "").split(), dtype=float) for key in ("xyz", "rpy"))
+    xyz, rpy = (np.array(element.get(key, "").split(), dtype=float) for key in ("xyz", "rpy"))
     return pin.SE3(pin.rpy.rpyToMatrix(rpy), xyz)
 
 

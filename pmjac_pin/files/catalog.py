@@ -52,9 +52,10 @@ def find_model_file(name_or_path: str | Path) -> Path:
     separated = {"/", os.sep} & set(str(name_or_path))
     if isinstance(name_or_path, Path) or path.suffix.lower() in SUFFIXES or separated:
         return path
+    own = data_folder() / "models" / f"{path.name}.toml"
+    if path.name and is_file(own):
+        return own
     names = list_mechanisms()
-    if path.name in names:
-        return data_folder() / "models" / f"{path.name}.toml"
     hint = did_you_mean(path.name, names)
     if is_file(path):
         hint = f"; for the file of this name write './{path.name}'"

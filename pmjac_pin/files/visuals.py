@@ -11,7 +11,9 @@ import numpy as np
 import pinocchio as pin
 
 from pmjac_pin.errors import ModelFileError
+from pmjac_pin.files.anchors import placement_of
 from pmjac_pin.files.shapes import Box, Colour, Cylinder, Shape, Sphere, scaled
+from pmjac_pin.files.urdf.checks import checked_origin
 from pmjac_pin.files.urdf.robot import Urdf
 from pmjac_pin.files.xml_text import label, numbers
 from pmjac_pin.values.arrays import Array
@@ -73,11 +75,7 @@ def drawn_elements(urdf: Urdf) -> Iterator[DrawnElement]:
             shape = visual.find("geometry/*")
             if shape is None or not (shape.tag == "mesh" or _pieces(link, visual)):
                 continue
-            try:
-                place = pin.SE3(_origin(f"{label(link)}, <visual>", visual))
-            except ModelFileError as error:
-                _logger.warning("not drawn: %s", error)
-                continue
+            place = placement_of(checked_origin(f"{label(link)}, <visual>", visual))
             yield DrawnElement(link.get("name", ""), shape, place, _colour(visual, colours))
 
 
@@ -101,7 +99,7 @@ def _pieces(link: Element, visual: Element) -> list[_PlacedShape]:
     """Return nothing for a broken visual: a picture is no reason to refuse a mechanism."""
     where = f"{label(link)}, <visual>"
     try:
-        origin = _origin(where, visual)
+        origin = placement_of(checked_origin(where, visual)).homogeneous
         geometry = visual.find("geometry")
         shapes = [] if geometry is None else list(geometry)
         return [
@@ -141,14 +139,6 @@ def _positive_numbers(where: str, element: Element, attribute: str, count: int =
     if values.min() <= 0.0:
         raise ModelFileError(f"{where}: `{attribute}` is {values}; it must be positive")
     return values
-
-
-def _origin(where: str, visual: Element) -> Array:
-    element = visual.find("origin")
-    xyz = numbers(where, element, "xyz", default="0 0 0", count=3)
-    rpy = numbers(where, element, "rpy", default="0 0 0", count=3)
-    transform: Array = pin.SE3(pin.rpy.rpyToMatrix(*rpy), np.array(xyz)).homogeneous
-    return transform
 
 
 def _named_colours(robot: Element) -> dict[str, Colour]:

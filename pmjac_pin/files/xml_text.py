@@ -60,7 +60,7 @@ def only(where: str, parent: Element, tag: str) -> Element | None:
     """Return the child of that tag, if there is one; Pinocchio would ignore a second."""
     found = parent.findall(tag)
     if len(found) > 1:
-        raise ModelFileError(f"{where} has {len(found)} <{tag}>; give one")
+        raise ModelFileError(f"{where} has {len(found)} <{tag.removeprefix('{*}')}>; give one")
     return found[0] if found else None
 
 

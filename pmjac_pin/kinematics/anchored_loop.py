@@ -68,19 +68,9 @@ class AnchoredLoop:
         slices = (own for own, _ in self.blocks)
         return replace(self, constraint=there, blocks=tuple(zip(slices, rows, strict=True)))
 
-    def jacobian(self, model: pin.Model, data: pin.Data, scratch: Any) -> Array:
-        """Return how one anchor moves seen from the other, (3, nv) or (6, nv), as `data` has it.
-
-        `scratch` then has where it is.
-        """
-        # Without `calc` the constraint's Jacobian is silently the one of another q.
-        self.constraint.calc(model, data, scratch)
-        rates: Array = self.constraint.jacobian(model, data, scratch)
-        return rates if rates.ndim > 1 else rates[:, None]  # of one degree of freedom
-
 
 def relative(scratch: Any, rates: Array) -> Relative:
-    """Return the first frame seen from the second, of what `AnchoredLoop.jacobian` found."""
+    """Return the first frame seen from the second, of what its constraint has computed."""
     if len(rates) == 3:
         return Relative(scratch.constraint_position_error, rates)
     gap, turning = scratch.c1Mc2.translation, rates[3:]

@@ -259,7 +259,7 @@ class LoopSystem:
     ) -> tuple[Array, Array]:
         residual, jacobian = np.empty(self._shape[0]), np.empty(self._shape)
         for closure, own, body in zip(self._closures, scratch.each, bodies):  # noqa: B905 - as long
-            rates = closure.jacobian(model, data, own)
+            rates = _anchor_rates(closure.constraint, model, data, own)
             turn = None if body is None else own.oMc1.rotation
             if body:
                 turn = data.oMi[body].rotation.T.dot(turn)
@@ -293,7 +293,7 @@ class LoopSystem:
         start = self.slices[loop].start
         closure = next(c for c in self._closures if c.blocks[0][0].start == start)
         loop_data = closure.constraint.createData()
-        pose = relative(loop_data, closure.jacobian(model, data, loop_data))
+        pose = relative(loop_data, _anchor_rates(closure.constraint, model, data, loop_data))
         to_second = loop_data.oMc1.rotation.T
         linear, turning = to_second @ twists[:3], to_second @ twists[3:]
         seen = Relative(pose.gap, linear, pose.rotation, turning)
@@ -308,6 +308,16 @@ class LoopSystem:
             turning = turning.reshape(6, -1)[3:]
             for rows in closure.vectors:
                 jacobian[rows] -= pin.skew(residual[rows]) @ turning
+
+
+def _anchor_rates(constraint: Any, model: pin.Model, data: pin.Data, scratch: Any) -> Array:
+    """Return how one anchor moves seen from the other, (3, nv) or (6, nv), as `data` has it.
+
+    `scratch` then has where it is: without `calc` the Jacobian is silently the one of another q.
+    """
+    constraint.calc(model, data, scratch)
+    rates: Array = constraint.jacobian(model, data, scratch)
+    return rates if rates.ndim > 1 else rates[:, None]  # of one degree of freedom
 
 
 def _check_unit(block: Rows) -> None:

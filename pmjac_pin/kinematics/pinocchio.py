@@ -30,15 +30,26 @@ class Snapshot(NamedTuple):
         ∂η/∂v, all rows, world axes.
     tool_jacobian : ndarray, shape (6, nv)
         In LOCAL_WORLD_ALIGNED.
-    rotation, position : ndarray, shapes (3, 3) and (3,)
-        The tool's pose in the world.
+    tool_pose : pin.SE3
+        In the world.
     """
 
     residual: Array
     constraint_jacobian: Array
     tool_jacobian: Array
-    rotation: Array
-    position: Array
+    tool_pose: pin.SE3
+
+    @property
+    def rotation(self) -> Array:
+        """The tool's axes in the world, as columns, shape (3, 3)."""
+        rotation: Array = self.tool_pose.rotation
+        return rotation
+
+    @property
+    def position(self) -> Array:
+        """Where the tool is in the world, shape (3,), m."""
+        position: Array = self.tool_pose.translation
+        return position
 
     def judged_jacobian(self, rows: ToolRows) -> Array:
         """Return the tool Jacobian (6, nv) in the axes of the rows that are judged."""
@@ -109,12 +120,11 @@ class Kinematics:
         scratch = self._at(q)
         data = scratch.data
         residual, constraint_jacobian = self.loops.in_world(self.model, data, scratch.loops, q)
-        tool = _read_off(self.model, data, self.tool)
-        return Snapshot(residual, constraint_jacobian, *tool)
+        return Snapshot(residual, constraint_jacobian, *self.tool.at(self.model, data))
 
-    def tool_at(self, q: Array, tool: ToolKinematics) -> tuple[Array, Array, Array]:
-        """Return the Jacobian (6, nv) of any tool, LOCAL_WORLD_ALIGNED, its rotation and place."""
-        return _read_off(self.model, self._at(q).data, tool)
+    def tool_at(self, q: Array, tool: ToolKinematics) -> tuple[Array, pin.SE3]:
+        """Return the Jacobian (6, nv) of any tool, LOCAL_WORLD_ALIGNED, and its pose."""
+        return tool.at(self.model, self._at(q).data)
 
     def mass_matrix(self, q: Array) -> Array:
         """Return that of the cut tree, shape (nv, nv), armatures included."""
@@ -138,8 +148,11 @@ class Kinematics:
 
     def _at(self, q: Array) -> _Scratch:
         """Return this thread's scratch, the joints' motions computed at q."""
-        scratch = self._thread_scratch()
-        pin.computeJointJacobians(self.model, scratch.data, q)
+        scratch = self._scratch
+        try:
+            pin.computeJointJacobians(self.model, scratch.data, q)
+        except AttributeError:  # the first call of a thread
+            pin.computeJointJacobians(self.model, self._thread_scratch().data, q)
         return scratch
 
     def _thread_scratch(self) -> _Scratch:
@@ -148,11 +161,6 @@ class Kinematics:
             scratch.data = self.model.createData()
             scratch.loops = self.loops.create_data()
         return scratch
-
-
-def _read_off(model: pin.Model, data: pin.Data, tool: ToolKinematics) -> tuple[Array, Array, Array]:
-    rotation, position = tool.pose(model, data)
-    return tool.jacobian(model, data), rotation, position
 
 
 @cache

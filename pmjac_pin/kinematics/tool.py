@@ -19,14 +19,10 @@ _ALIGNED = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
 
 
 class ToolKinematics(Protocol):
-    """Pose and Jacobian of the tool, once ``pin.computeJointJacobians`` has filled `data`."""
+    """Jacobian and pose of the tool, once ``pin.computeJointJacobians`` has filled `data`."""
 
-    def pose(self, model: pin.Model, data: pin.Data) -> tuple[Array, Array]:
-        """Return the rotation (3, 3) and the position (3,) of the tool in the world."""
-        ...
-
-    def jacobian(self, model: pin.Model, data: pin.Data) -> Array:
-        """Return J (6, nv), linear rows first, world axes, at the tool's origin."""
+    def at(self, model: pin.Model, data: pin.Data) -> tuple[Array, pin.SE3]:
+        """Return J (6, nv), linear rows first, world axes, at the tool's origin; and its pose."""
         ...
 
 
@@ -43,14 +39,10 @@ class FrameTool:
     def __init__(self, model: pin.Model, name: str) -> None:
         self._index = find_frame(model, name).index
 
-    def pose(self, model: pin.Model, data: pin.Data) -> tuple[Array, Array]:
-        """Return the frame's rotation and position."""
-        placement = pin.updateFramePlacement(model, data, self._index)
-        return placement.rotation.copy(), placement.translation.copy()
-
-    def jacobian(self, model: pin.Model, data: pin.Data) -> Array:
-        """Return Pinocchio's frame Jacobian."""
-        return frame_jacobian(model, data, self._index)
+    def at(self, model: pin.Model, data: pin.Data) -> tuple[Array, pin.SE3]:
+        """Return Pinocchio's frame Jacobian and placement."""
+        place = pin.updateFramePlacement(model, data, self._index).copy()
+        return frame_jacobian(model, data, self._index), place
 
 
 class PointsTool:
@@ -66,16 +58,13 @@ class PointsTool:
     def __init__(self, model: pin.Model, names: tuple[str, ...]) -> None:
         self._indices = [find_frame(model, name).index for name in names]
 
-    def pose(self, model: pin.Model, data: pin.Data) -> tuple[Array, Array]:
-        """Return the spanned frame's rotation and the centroid."""
-        points = self._points(model, data)
-        return spanned_rotation(points), points.mean(axis=0)
-
-    def jacobian(self, model: pin.Model, data: pin.Data) -> Array:
-        """Return the rates of the centroid and of the spanned frame."""
+    def at(self, model: pin.Model, data: pin.Data) -> tuple[Array, pin.SE3]:
+        """Return the rates of the centroid and of the spanned frame, and where that is."""
         points = self._points(model, data)
         rates = np.stack([frame_jacobian(model, data, index)[:3] for index in self._indices])
-        return spanned_jacobian(points, rates, spanned_rotation(points))
+        rotation = spanned_rotation(points)
+        place = pin.SE3(rotation, points.mean(axis=0))
+        return spanned_jacobian(points, rates, rotation), place
 
     def _points(self, model: pin.Model, data: pin.Data) -> Array:
         points = np.stack(

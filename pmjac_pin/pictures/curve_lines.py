@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from pmjac_pin.pictures.paper_axes import Drawn
+from pmjac_pin.pictures.paper_axes import DrawnPlane
 from pmjac_pin.studies.singularities.locus import LocusMark, SingularityLocus
 from pmjac_pin.studies.singularities.singular_equations import Freed
 from pmjac_pin.studies.workspaces.workspace import Workspace
@@ -59,7 +59,7 @@ def locus_entries(locus: SingularityLocus) -> int:
 
 
 def draw_locus(
-    axes: Any, locus: SingularityLocus, drawn: Drawn, width: float, halo: float = 0.0
+    axes: Any, locus: SingularityLocus, drawn: DrawnPlane, width: float, halo: float = 0.0
 ) -> None:
     """Draw curves and marks.
 
@@ -67,7 +67,7 @@ def draw_locus(
     ----------
     axes : matplotlib.axes.Axes
     locus : SingularityLocus
-    drawn : Drawn
+    drawn : DrawnPlane
     width : float
         Of the axes, inches.
     halo : float

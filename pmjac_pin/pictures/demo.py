@@ -16,13 +16,7 @@ from pmjac_pin.errors import MissingDependencyError
 from pmjac_pin.loading import load
 from pmjac_pin.pictures.pose_figure import save_pose_figure
 from pmjac_pin.values.brief import brief
-from pmjac_pin.words.blocks import (
-    Block,
-    Heading,
-    Paragraph,
-    Table,
-    Verbatim,
-)
+from pmjac_pin.words.blocks import Block, Heading, Paragraph, Table, Verbatim
 from pmjac_pin.words.numbers import matrix_numbers, number
 from pmjac_pin.words.report import Report, report
 from pmjac_pin.words.tables import (

@@ -22,7 +22,7 @@ _UNREACHED = 2  # cells: as far as the map goes on beneath what the border cuts 
 
 def draw_measure(figure: Any, axes: Any, found: Workspace) -> None:
     """Draw the map of a measure, or what is reached in one colour, cut off at the border."""
-    outline = _outlines(found)
+    outline = _border_path(found)
     values = found.values if found.measure else np.where(found.reached, 1.0, np.nan)
     if outline is not None:
         values = _continued(values)
@@ -104,7 +104,7 @@ def _continued(values: Array) -> Array:
     return np.where(away <= _UNREACHED * 2**0.5, values[i, j], np.nan)
 
 
-def _outlines(found: Workspace) -> Any:
+def _border_path(found: Workspace) -> Any:
     """Return the border as a path, None where it does not close."""
     if not np.isfinite(found.area):
         return None

@@ -31,11 +31,11 @@ _GREEK = frozenset(
     )
 )
 _SYMBOL = re.compile(rf"({'|'.join(sorted(_GREEK))}|[A-Za-z])_?(\d*)")
-_FULL_TURN = 2.0 * np.pi
+_ALL_ROUND = 2.0 * np.pi
 _EDGE = 0.05  # of what is drawn
 
 
-class Drawn(NamedTuple):
+class DrawnPlane(NamedTuple):
     """What axes show.
 
     Attributes
@@ -61,12 +61,12 @@ class Drawn(NamedTuple):
         return float(np.clip(high / wide, _FLATTEST, _HIGHEST)) if self.equal else 0.8
 
 
-def paper_axes(drawn: Drawn, legend: int, *, colour_bar: bool) -> tuple[Figure, Any]:
+def paper_axes(drawn: DrawnPlane, legend: int, *, colour_bar: bool) -> tuple[Figure, Any]:
     """Return an empty figure of one column, and its axes.
 
     Parameters
     ----------
-    drawn : Drawn
+    drawn : DrawnPlane
     legend : int
         How many entries it has.
     colour_bar : bool
@@ -138,12 +138,12 @@ def around(places: Sequence[Array], lower: Array, upper: Array, units: Sequence[
     low, high = every.min(axis=0), every.max(axis=0)
     margin = _EDGE * float((high - low).max())
     low, high = np.maximum(low - margin, lower), np.minimum(high + margin, upper)
-    whole = (np.abs(upper - lower - _FULL_TURN) < 1e-9) & (np.array(units) == "rad")
+    whole = (np.abs(upper - lower - _ALL_ROUND) < 1e-9) & (np.array(units) == "rad")
     empty = ~(high > low)
     return np.where(whole | empty, lower, low), np.where(whole | empty, upper, high)
 
 
-def _label(drawn: Drawn, k: int) -> str:
+def _label(drawn: DrawnPlane, k: int) -> str:
     return f"{symbol(drawn.names[k])} ({drawn.units[k]})"
 
 
@@ -151,7 +151,7 @@ def _place_ticks(axis: Any, unit: str, extent: float) -> None:
     """Put ticks at round values, of angles over much of a turn at parts of π."""
     from matplotlib.ticker import FuncFormatter, MaxNLocator, MultipleLocator  # noqa: PLC0415
 
-    if unit == "rad" and extent > 0.75 * _FULL_TURN:
+    if unit == "rad" and extent > 0.75 * _ALL_ROUND:
         axis.set_major_locator(MultipleLocator(np.pi / 2.0))
         axis.set_major_formatter(FuncFormatter(_of_pi))
     else:

@@ -10,17 +10,17 @@ import pinocchio as pin
 
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import ArgumentError, did_you_mean, quoted
-from pmjac_pin.pictures.ellipsoid_panels import (
-    PLANES,
-    bounded,
-    check_bounded,
-    draw_ellipsoid,
-)
+from pmjac_pin.pictures.ellipsoid_panels import PLANES, bounded, check_bounded, draw_ellipsoid
 from pmjac_pin.pictures.figures import as_it_is, new_figure
 from pmjac_pin.pictures.pose_figure import headings
 from pmjac_pin.pictures.stick_drawing import draw_figure, frame_of, view_of
 from pmjac_pin.pictures.stick_figure import StickFigure, StickFigures
-from pmjac_pin.pictures.within_limits import Quantity, ellipsoid_of, where_it_moves, within_limits
+from pmjac_pin.pictures.within_limits import (
+    ToolQuantity,
+    ellipsoid_of,
+    where_it_moves,
+    within_limits,
+)
 from pmjac_pin.rates.ellipsoid import Ellipsoid
 from pmjac_pin.rates.motor_limits import Limits
 from pmjac_pin.rates.solid import Solid
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 # By quantity: the words for what is drawn within limits.
-WITHIN: dict[Quantity, str] = {
+WITHIN: dict[ToolQuantity, str] = {
     "linear": "Linear velocity of the tool within the motors' rate limits",
     "angular": "Angular velocity of the tool within the motors' rate limits",
     "force": "Force at the tool, where it moves, within the motors' effort limits",

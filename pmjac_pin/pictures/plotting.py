@@ -6,12 +6,7 @@ import textwrap
 from typing import TYPE_CHECKING, Any
 
 from pmjac_pin.errors import ArgumentError, quoted
-from pmjac_pin.pictures.ellipsoid_panels import (
-    PLANES,
-    bounded,
-    check_bounded,
-    draw_ellipsoid,
-)
+from pmjac_pin.pictures.ellipsoid_panels import PLANES, bounded, check_bounded, draw_ellipsoid
 from pmjac_pin.pictures.figures import as_it_is, new_figure
 from pmjac_pin.rates.ellipsoid import Ellipsoid
 

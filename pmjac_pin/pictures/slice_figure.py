@@ -18,14 +18,7 @@ from pmjac_pin.pictures.curve_lines import (
     locus_entries,
 )
 from pmjac_pin.pictures.measure_map import draw_measure
-from pmjac_pin.pictures.paper_axes import (
-    COLUMN,
-    Drawn,
-    add_legend,
-    around,
-    paper_axes,
-    symbol,
-)
+from pmjac_pin.pictures.paper_axes import COLUMN, DrawnPlane, add_legend, around, paper_axes, symbol
 from pmjac_pin.studies.singularities.locus import SingularityLocus
 from pmjac_pin.studies.workspaces.workspace import Workspace
 from pmjac_pin.values.arrays import Array
@@ -63,7 +56,7 @@ def plot_locus(locus: SingularityLocus) -> Figure:
     check_kind(locus, SingularityLocus)
     places = [curve.places for curve in locus.curves]
     lower, upper = around(places, locus.lower, locus.upper, locus.units)
-    drawn = Drawn(locus.plane, locus.units, lower, upper)
+    drawn = DrawnPlane(locus.plane, locus.units, lower, upper)
     figure, axes = paper_axes(drawn, locus_entries(locus), colour_bar=False)
     draw_locus(axes, locus, drawn, COLUMN)
     add_legend(figure, axes, _held_values(locus))
@@ -108,7 +101,7 @@ def plot_workspace(found: Workspace, locus: SingularityLocus | None = None) -> F
         np.array([found.first[-1], found.second[-1]]),
         found.units,
     )
-    drawn = Drawn(found.plane, found.units, lower, upper)
+    drawn = DrawnPlane(found.plane, found.units, lower, upper)
     entries = border_entries(found) + (0 if locus is None else locus_entries(locus))
     figure, axes = paper_axes(drawn, entries, colour_bar=bool(found.measure))
     draw_measure(figure, axes, found)

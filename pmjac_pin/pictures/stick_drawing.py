@@ -25,7 +25,7 @@ _PICTURE_MARGIN = 0.06  # of the picture's width, about the drawing
 # Okabe and Ito's palette, which colour-blind readers can tell apart.
 _GROUND, _LINK, _MOTOR, _ANCHOR, DARK = "#8C8C8C", "#0072B2", "#D55E00", "#F0E442", "#262626"
 _EDGES = {_LINK: "#003A5C", _MOTOR: "#6E3000"}  # the same, darker
-_EDGE = 0.45  # points, at either side of a bar
+_BAR_EDGE = 0.45  # points, at either side of a bar
 _TOOL_COLOURS = ("#C81919", "#199919", "#1933E0")
 _BARS = {  # colour and width in points
     "ground": (_GROUND, 2.0),
@@ -129,7 +129,7 @@ def _draw_body(axes: Any, stroke: Stroke, outline: Array, order: int) -> None:
     round_off = {"solid_capstyle": "round", "solid_joinstyle": "round"}
     closed = outline if outline.shape[1] == 2 else np.column_stack([outline, outline[:, :1]])
     if edge := _EDGES.get(colour):
-        axes.plot(*closed, color=edge, lw=width + 2 * _EDGE, zorder=order, **round_off)
+        axes.plot(*closed, color=edge, lw=width + 2 * _BAR_EDGE, zorder=order, **round_off)
     if stroke.is_plate:
         axes.fill(*outline, facecolor=colour, alpha=0.18, linewidth=0, zorder=order)
     axes.plot(*closed, color=colour, lw=width, zorder=order, **round_off)

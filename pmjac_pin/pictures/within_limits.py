@@ -16,11 +16,11 @@ from pmjac_pin.rates.jacobian import EquivalentJacobian
 from pmjac_pin.rates.motor_limits import Limits, effort_limits, rate_limits
 from pmjac_pin.rates.solid import Solid, force_solid, velocity_solid
 
-Quantity: TypeAlias = Literal["linear", "angular", "force"]
+ToolQuantity: TypeAlias = Literal["linear", "angular", "force"]
 
 
 def ellipsoid_of(
-    jacobian: EquivalentJacobian, quantity: Quantity, limits: Limits | None = None
+    jacobian: EquivalentJacobian, quantity: ToolQuantity, limits: Limits | None = None
 ) -> Ellipsoid:
     """Return the ellipsoid of a quantity, in shares of limits where these are given."""
     match quantity:
@@ -35,7 +35,7 @@ def ellipsoid_of(
 
 
 def within_limits(
-    jacobian: EquivalentJacobian, quantity: Quantity, limits: Limits
+    jacobian: EquivalentJacobian, quantity: ToolQuantity, limits: Limits
 ) -> tuple[Solid, Ellipsoid]:
     """Return what the tool does within limits, in the frame of `jacobian`, and the ellipsoid in it.
 
@@ -56,7 +56,7 @@ def within_limits(
     return solid, where_it_moves(ellipsoid_of(jacobian, quantity, limits))
 
 
-def solid_within(jacobian: EquivalentJacobian, quantity: Quantity, limits: Limits) -> Solid:
+def solid_within(jacobian: EquivalentJacobian, quantity: ToolQuantity, limits: Limits) -> Solid:
     """Return the polytope alone; parameters and errors as of `within_limits`."""
     linear = jacobian.Jv_eq, jacobian.velocity_ellipsoid()
     match quantity:

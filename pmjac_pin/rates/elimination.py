@@ -10,12 +10,7 @@ from functools import partial
 
 import numpy as np
 
-from pmjac_pin.errors import (
-    ArgumentError,
-    ForbiddenRatesError,
-    IdleMotionError,
-    SingularError,
-)
+from pmjac_pin.errors import ArgumentError, ForbiddenRatesError, IdleMotionError, SingularError
 from pmjac_pin.rates.factorisation import REFINED, Factorisation
 from pmjac_pin.rates.jacobian import EquivalentJacobian
 from pmjac_pin.rates.partition import LoopRates, Partition
@@ -74,18 +69,18 @@ def eliminated(
     """Return Φ and J_eq of a tool Jacobian (6, nv), or raise as `equivalent_jacobian`."""
     actuated, passive = partition.actuated, partition.passive
     scaled, size, factors = loops.scaled, loops.size, loops.passive
-    rank, driving = factors.rank, loops.driving
+    rank = factors.rank
     refuse_singular(loops, partition, singularity)
     if rank < len(scaled) and loops.not_followed > partition.rank_tolerance * size:
         _refuse_forbidden(factors, scaled, partition)
     if rank < passive.size:
         refuse_felt_idle_motion(factors, J, partition)
-    rates = factors.solve(driving)
+    rates = loops.following
     if not factors.surely_exceeds(REFINED * size):
         # Once again for what is left over: rounding of a weak row then stays in its own loop.
         # Where it is not needed it does no harm, and takes less than singular values.
-        rates += factors.solve(driving - scaled.take(passive, axis=1) @ rates)
-    rates *= partition.rate_scale
+        rates = rates + factors.solve(loops.driving - scaled.take(passive, axis=1) @ rates)
+    rates = rates * partition.rate_scale
     return rates, J.take(actuated, axis=1) + J.take(passive, axis=1).dot(rates)
 
 

@@ -43,6 +43,8 @@ class Factorisation:
         self.matrix, self.size, self.tolerance = matrix, size, tolerance
         # A⁺ and a bound on σ_min, where that is above the tolerance for certain.
         self._inverse, self._bound = inverse, bound
+        if inverse is not None:
+            self.rank = len(inverse)
 
     @found_once
     def _svd(self) -> tuple[Array, Array, Array]:
@@ -67,11 +69,9 @@ class Factorisation:
         """Vᵀ, shape (k, k)."""
         return self._svd[2]
 
-    @property
+    @found_once
     def rank(self) -> int:
         """How many singular values are above the tolerance."""
-        if self._inverse is not None and "_svd" not in self.__dict__:
-            return len(self._inverse)
         return int(np.count_nonzero(self.singular_values > self.tolerance * self.size))
 
     def exceeds(self, rank: int, least: float) -> bool:
@@ -108,10 +108,13 @@ class Factorisation:
         below = max(float(values[rank]), float(np.finfo(float).eps))
         return below < float(values[rank - 1]) ** 2
 
-    def left_over(self, b: Array) -> float:
-        """Return the norm of what of b no A x reaches, with A of its rank here."""
+    def left_over(self, b: Array, solution: Array) -> float:
+        """Return the norm of what of b no A x reaches, with A of its rank here.
+
+        `solution` is `solve` of b.
+        """
         if self._inverse is not None:
-            return norm(b - self.matrix.dot(self._inverse.dot(b)))
+            return norm(b - self.matrix.dot(solution))
         return norm(self.left_null_space.T.dot(b))
 
     def solve(self, b: Array, rank: int | None = None) -> Array:
@@ -131,13 +134,6 @@ class Factorisation:
         left, values, right = self._svd
         inverse: Array = (right[:rank].T / values[:rank]).dot(left[:, :rank].T)
         return inverse
-
-
-def _left(matrix: Array, squared: Array) -> Array:
-    """Return A⁺ = (AᵀA)⁻¹Aᵀ of a given (AᵀA)⁻¹, improved by one step."""
-    inverse = squared.dot(matrix.T)
-    improved: Array = 2.0 * inverse - inverse.dot(matrix.dot(inverse))
-    return improved
 
 
 def factorise(matrix: Array, size: float, tolerance: float = RANK_TOLERANCE) -> Factorisation:
@@ -166,6 +162,7 @@ def factorise(matrix: Array, size: float, tolerance: float = RANK_TOLERANCE) -> 
     least = max(tolerance, _RESOLVED if square else _SQUARED) * max(size, norm(matrix))
     if not bound > least:
         return Factorisation(matrix, size, tolerance, None, 0.0)
-    return Factorisation(
-        matrix, size, tolerance, inverse if square else _left(matrix, inverse), bound
-    )
+    if not square:  # A⁺ = (AᵀA)⁻¹Aᵀ, improved by one step
+        left = inverse.dot(matrix.T)
+        inverse = left + left - left.dot(matrix.dot(left))
+    return Factorisation(matrix, size, tolerance, inverse, bound)

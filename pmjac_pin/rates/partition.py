@@ -42,10 +42,23 @@ class LoopRates:
         self.scaled, self.size, self.passive = scaled, size, passive
         self.driving = scaled.take(actuated, axis=1)
 
-    @found_once
+    @property
+    def following(self) -> Array:
+        """What K* solves K to, shape (m_p, n), without dimension: −φ̇ for each motor's rate."""
+        return self._followed[0]
+
+    @property
     def not_followed(self) -> float:
         """How much of K no motion of the passive joints follows."""
-        return self.passive.left_over(self.driving)
+        return self._followed[1]
+
+    @found_once
+    def _followed(self) -> tuple[Array, float]:
+        passive, driving = self.passive, self.driving
+        following = passive.solve(driving)
+        if passive.rank == len(driving):
+            return following, 0.0
+        return following, passive.left_over(driving, following)
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,7 +142,8 @@ class Partition(ReadOnlyArrays):
     row_units: tuple[str, ...] = ()
 
     @cached_property
-    def _scale(self) -> Array:
+    def scale(self) -> Array:
+        """What `scaled` multiplies by, shape (p, nv)."""
         return read_only(np.outer(self.row_scale, self.column_scale))
 
     @cached_property
@@ -262,7 +276,7 @@ class Partition(ReadOnlyArrays):
 
     def scaled(self, constraint_jacobian: Array) -> Array:
         """Return [K K*], shape (p, nv), without dimension: rows in m, a rotation by 1/length."""
-        scaled: Array = constraint_jacobian * self._scale
+        scaled: Array = constraint_jacobian * self.scale
         return scaled
 
     def size_of(self, scaled: Array) -> float:
@@ -280,7 +294,7 @@ class Partition(ReadOnlyArrays):
 
     def loop_rates(self, constraint_jacobian: Array) -> LoopRates:
         """Return [K K*] without dimension at one pose, and K* factorised."""
-        scaled = constraint_jacobian * self._scale
+        scaled = constraint_jacobian * self.scale
         size = max(norm(scaled), self.least_size)
         factors = factorise(scaled.take(self.passive, axis=1), size, self.rank_tolerance)
         return LoopRates(scaled, size, factors, self.actuated)

@@ -8,11 +8,9 @@ from typing import TYPE_CHECKING, Any
 from pmjac_pin.errors import MissingDependencyError
 
 if TYPE_CHECKING:
-    from xarray import Dataset
+    from xarray import Dataset as Dataset  # noqa: PLC0414 - for others
 else:
     Dataset = Any
-
-__all__ = ["Dataset", "dataset"]
 
 
 def dataset(

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Hashable, Sequence, Set
 from typing import TypeVar
 
-T = TypeVar("T", bound=Hashable)
+Member = TypeVar("Member", bound=Hashable)
 
 
-def sharing_groups(members: Sequence[Set[T]]) -> list[list[int]]:
+def sharing_groups(members: Sequence[Set[Member]]) -> list[list[int]]:
     """Return the numbers of sets in groups that share members, themselves or by others.
 
     Examples

@@ -11,20 +11,13 @@ from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import ClosureError
 from pmjac_pin.files.shapes import Cone, Cylinder, Sphere, Text
 from pmjac_pin.pictures.anatomy import Anatomy
-from pmjac_pin.pictures.within_limits import Quantity, ellipsoid_of
+from pmjac_pin.pictures.within_limits import ToolQuantity, ellipsoid_of
 from pmjac_pin.rates.ellipse import ties, turned_into_plane
 from pmjac_pin.rates.ellipsoid import Ellipsoid
 from pmjac_pin.values.arrays import Array, read_only
 from pmjac_pin.viewer.equivalent import equivalent
 from pmjac_pin.viewer.items import Part, stretched_between
-from pmjac_pin.viewer.layers import (
-    SPECK,
-    Drawing,
-    DrawnPose,
-    lettering,
-    specks,
-    words,
-)
+from pmjac_pin.viewer.layers import SPECK, Drawing, DrawnPose, lettering, specks, words
 from pmjac_pin.viewer.palette import PRINCIPAL, SURFACE
 
 # Shares of the mechanism's size.
@@ -53,8 +46,8 @@ class EllipsoidLayer:
         Metres in the picture per unit of the ellipsoid.
     """
 
-    def __init__(self, anatomy: Anatomy, kind: Quantity) -> None:
-        self._kind: Quantity = kind
+    def __init__(self, anatomy: Anatomy, kind: ToolQuantity) -> None:
+        self._kind: ToolQuantity = kind
         self._size = anatomy.size
         self.automatic = _automatic_scale(anatomy, kind)
         path = f"ellipsoids/{kind}"
@@ -105,8 +98,8 @@ class EllipsoidLayer:
 
 
 def find_ellipsoids(
-    configuration: Configuration, kinds: Iterable[Quantity]
-) -> dict[Quantity, Ellipsoid]:
+    configuration: Configuration, kinds: Iterable[ToolQuantity]
+) -> dict[ToolQuantity, Ellipsoid]:
     """Return the ellipsoids of these kinds, or nothing where no equivalent Jacobian exists."""
     kinds = tuple(kinds)
     jacobian, _ = equivalent(configuration) if kinds else (None, "")
@@ -116,8 +109,8 @@ def find_ellipsoids(
 
 
 def directions_after(
-    before: Mapping[Quantity, Array], ellipsoids: Mapping[Quantity, Ellipsoid]
-) -> dict[Quantity, Array]:
+    before: Mapping[ToolQuantity, Array], ellipsoids: Mapping[ToolQuantity, Ellipsoid]
+) -> dict[ToolQuantity, Array]:
     """Return the axes of ellipsoids, each with the sign of the earlier one that it is most like.
 
     The earlier one need not be of the same number: where two radii cross, their axes change
@@ -164,7 +157,7 @@ def _surface(position: Array, axes: Array, radii: Array) -> Array:
     return transform
 
 
-def _automatic_scale(anatomy: Anatomy, kind: Quantity) -> float:
+def _automatic_scale(anatomy: Anatomy, kind: ToolQuantity) -> float:
     """Return m per unit that make the largest finite semi-axis at home `AUTOMATIC` long.
 
     From home or, where nothing can be told there, from another pose: not from the one that is

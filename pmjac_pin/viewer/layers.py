@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.files.shapes import Colour, Shape, Text
 from pmjac_pin.pictures.bodies import PointsOfBodies
-from pmjac_pin.pictures.within_limits import Quantity
+from pmjac_pin.pictures.within_limits import ToolQuantity
 from pmjac_pin.rates.ellipsoid import Ellipsoid
 from pmjac_pin.rates.solid import Solid
 from pmjac_pin.values.arrays import Array, Index
@@ -46,8 +46,8 @@ class DrawnPose:
     """
 
     configuration: Configuration
-    ellipsoids: Mapping[Quantity, Ellipsoid]
-    directions: Mapping[Quantity, Array]
+    ellipsoids: Mapping[ToolQuantity, Ellipsoid]
+    directions: Mapping[ToolQuantity, Array]
     placements: Array
     scale: float
     solids: Mapping[SolidKind, Solid]

@@ -35,8 +35,8 @@ def load_sliders(mechanism: Mechanism) -> tuple[Slider, ...]:
     heaviest = _strongest(mechanism, gravity / pull) / pull if pull else math.inf
     strongest = min(_strongest(mechanism, way) for way in np.eye(3))
     return (
-        Slider("mass", "kg", 0.0, _end(heaviest), False, "hung at the tool"),
-        Slider("size", "N", 0.0, _end(strongest), False, "of the force"),
+        Slider("mass", "kg", 0.0, _slider_end(heaviest), False, "hung at the tool"),
+        Slider("size", "N", 0.0, _slider_end(strongest), False, "of the force"),
         Slider("azimuth", "rad", -math.pi, math.pi, True, "from the world's x towards its y"),
         Slider("elevation", "rad", DOWN, -DOWN, True, "from the world's x-y plane towards its z"),
     )
@@ -57,7 +57,7 @@ def _strongest(mechanism: Mechanism, way: Array) -> float:
     return _SLIDERS_BEYOND / share if share > 1.0 / LARGEST_LOAD else math.inf
 
 
-def _end(load: float) -> float:
+def _slider_end(load: float) -> float:
     return _next_round(load if load < LARGEST_LOAD else _USUAL)
 
 

@@ -17,7 +17,7 @@ from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import ArgumentError
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.pictures.anatomy import Anatomy
-from pmjac_pin.pictures.within_limits import Quantity
+from pmjac_pin.pictures.within_limits import ToolQuantity
 from pmjac_pin.values.arrays import Array, read_only
 from pmjac_pin.viewer.closures import anchor_layer, axis_layer, gap_layer, rod_layer
 from pmjac_pin.viewer.ellipsoids import EllipsoidLayer, directions_after, find_ellipsoids
@@ -32,7 +32,7 @@ from pmjac_pin.viewer.load_sliders import load_sliders
 from pmjac_pin.viewer.scene_options import SceneOptions
 from pmjac_pin.viewer.solids import QUANTITY_OF, SolidLayer, find_solids
 
-_DRAWN_ELLIPSOIDS: tuple[Quantity, ...] = ("linear", "angular", "force")
+_DRAWN_ELLIPSOIDS: tuple[ToolQuantity, ...] = ("linear", "angular", "force")
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -48,7 +48,7 @@ class Scene:
     """
 
     items: tuple[Item, ...]
-    directions: Mapping[Quantity, Array] = field(default_factory=lambda: MappingProxyType({}))
+    directions: Mapping[ToolQuantity, Array] = field(default_factory=lambda: MappingProxyType({}))
 
 
 class SceneMaker:
@@ -85,7 +85,7 @@ class SceneMaker:
             ForceLayer(anatomy, load_sliders(mechanism)[1].upper),
         )
         self._names = motor_names(anatomy)
-        self._ellipsoids: dict[Quantity, EllipsoidLayer] = {
+        self._ellipsoids: dict[ToolQuantity, EllipsoidLayer] = {
             kind: EllipsoidLayer(anatomy, kind) for kind in _DRAWN_ELLIPSOIDS
         }
         self._solids: dict[SolidKind, SolidLayer] = {
@@ -97,7 +97,7 @@ class SceneMaker:
         self,
         configuration: Configuration,
         options: SceneOptions | None = None,
-        directions: Mapping[Quantity, Array] | None = None,
+        directions: Mapping[ToolQuantity, Array] | None = None,
         force: Array | None = None,
     ) -> Scene:
         """Return what is to be seen of a configuration.
@@ -161,7 +161,7 @@ class SceneMaker:
             yield self._solids[solid]
 
 
-def _ellipsoids_of(options: SceneOptions) -> tuple[Quantity, ...]:
+def _ellipsoids_of(options: SceneOptions) -> tuple[ToolQuantity, ...]:
     return tuple(kind for kind in _DRAWN_ELLIPSOIDS if getattr(options, kind))
 
 

@@ -14,7 +14,7 @@ from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import ArgumentError, ClosureError, LimitError
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.limits import Violation
-from pmjac_pin.pictures.within_limits import Quantity
+from pmjac_pin.pictures.within_limits import ToolQuantity
 from pmjac_pin.rates.motor_limits import efforts_unit, rates_unit
 from pmjac_pin.rates.partition import Partition
 from pmjac_pin.studies.follow.trajectory import Trajectory
@@ -98,7 +98,7 @@ class Session:
         self.replay: Replay | None = None
         self.moment: float | None = None
         self._start = configuration
-        self._directions: Mapping[Quantity, NDArray[np.float64]] = {}
+        self._directions: Mapping[ToolQuantity, NDArray[np.float64]] = {}
 
     @property
     def mechanism(self) -> Mechanism:

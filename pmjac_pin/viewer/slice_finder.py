@@ -44,7 +44,7 @@ class SliceFinder(Pursuit[SliceMap | str]):
         area = self._found.drawn.area
         return SliceMessage(
             status="stale" if self._stale else "drawn",
-            text=f"Stale: {self._stale} Draw it again." if self._stale else _told(self._found),
+            text=f"Stale: {self._stale} Draw it again." if self._stale else _in_words(self._found),
             plane=area.names,
             lower=tuple(area.lower.tolist()),
             upper=tuple(area.upper.tolist()),
@@ -105,7 +105,7 @@ class SliceFinder(Pursuit[SliceMap | str]):
             self._tell()
 
 
-def _told(found: SliceMap) -> str:
+def _in_words(found: SliceMap) -> str:
     """Say what a map shows, and what it rests on."""
     reached = sum(len(row) - row.count("0") for row in found.cells)
     cells = len(found.cells) ** 2

@@ -87,16 +87,16 @@ def draw_slice(
     if start.singularity().is_singular:
         raise ArgumentError("assembly modes meet at this pose: move off it, onto one of them")
     values = dict(zip(pose.mechanism.actuated, pose.actuated.tolist(), strict=True))
-    window = {motor.name: _window(motor, values[motor.name]) for motor in motors}
+    window = {motor.name: _slider_window(motor, values[motor.name]) for motor in motors}
     drawn = chart([motor.name for motor in motors], pose, window)
     sheets = Sheets(drawn.area, (CELLS, CELLS), limits=False)
-    if all(sheets.add(one) is None for one in _begin(pose, start, drawn)):
+    if all(sheets.add(one) is None for one in _beginnings(pose, start, drawn)):
         raise ArgumentError("no place of the map is reached from this pose: move off it")
     curves = tuple(_curves(drawn, sheets, wanted))
     return SliceMap(drawn, sheets, _cells(sheets.known[0], pose), curves)
 
 
-def _begin(pose: Configuration, start: Configuration, drawn: Chart) -> Iterator[Configuration]:
+def _beginnings(pose: Configuration, start: Configuration, drawn: Chart) -> Iterator[Configuration]:
     """Yield poses of the slice on the mode: beside a fold none but some cells away leads on."""
     if start is pose:
         yield pose
@@ -110,7 +110,7 @@ def _begin(pose: Configuration, start: Configuration, drawn: Chart) -> Iterator[
                 yield pose.mechanism.close(values, guess=start)
 
 
-def _window(motor: Slider, value: float) -> tuple[float, float]:
+def _slider_window(motor: Slider, value: float) -> tuple[float, float]:
     """Return a motor's range, of an angle one turn, in the middle or around where it is."""
     if motor.unit != "rad" or motor.upper - motor.lower <= _TURN:
         return motor.lower, motor.upper

@@ -12,7 +12,7 @@ from pmjac_pin.errors import ArgumentError, enumerated
 from pmjac_pin.files.shapes import Text
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.pictures.anatomy import Anatomy
-from pmjac_pin.pictures.within_limits import Quantity, solid_within
+from pmjac_pin.pictures.within_limits import ToolQuantity, solid_within
 from pmjac_pin.rates.motor_limits import stated_effort_limits, stated_rate_limits
 from pmjac_pin.rates.solid import Solid
 from pmjac_pin.values.arrays import Array
@@ -20,18 +20,10 @@ from pmjac_pin.viewer.ellipsoids import LETTERS, LIMIT, radius_label
 from pmjac_pin.viewer.equivalent import equivalent
 from pmjac_pin.viewer.facets import NO_FACETS, Facets, fans, rods
 from pmjac_pin.viewer.items import Part
-from pmjac_pin.viewer.layers import (
-    SPECK,
-    Drawing,
-    DrawnPose,
-    SolidKind,
-    lettering,
-    specks,
-    words,
-)
+from pmjac_pin.viewer.layers import SPECK, Drawing, DrawnPose, SolidKind, lettering, specks, words
 from pmjac_pin.viewer.palette import SOLID, SOLID_EDGE
 
-QUANTITY_OF: dict[SolidKind, Quantity] = {"velocity": "linear", "force": "force"}
+QUANTITY_OF: dict[SolidKind, ToolQuantity] = {"velocity": "linear", "force": "force"}
 _EDGE_RADIUS = 0.004  # of the mechanism's size, the radius of an edge
 _NO_JACOBIAN = "No polytope: there is no equivalent Jacobian at this pose."
 

@@ -82,7 +82,7 @@ class ToolRanks:
 
 def _scaled_blocks(jacobian: EquivalentJacobian) -> tuple[Array, Array]:
     """Return [J_v]eq and [J_ω]eq, of motor rates without dimension."""
-    scale = jacobian.partition.column_scale[jacobian.partition.actuated]
+    scale = jacobian.partition.motor_scale
     return jacobian.Jv_eq * scale, jacobian.Jw_eq * scale
 
 

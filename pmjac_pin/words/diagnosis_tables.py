@@ -126,7 +126,7 @@ def _poses(diagnosis: Diagnosis) -> Table:
     columns = {
         "pose": [pose.name for pose in poses],
         "open by\n[m]": [brief(pose.gap_given) for pose in poses],
-        "moved most\n[m or rad]": [_farthest(pose.moved or {}) for pose in poses],
+        "moved most\n[m or rad]": [_moved_most(pose.moved or {}) for pose in poses],
         "kind": [
             pose.kind or ("open" if diagnosis.failure or pose.failure else _DASH) for pose in poses
         ],
@@ -136,7 +136,7 @@ def _poses(diagnosis: Diagnosis) -> Table:
     return Table.of("", "<><<>>", columns)
 
 
-def _farthest(moved: Mapping[str, float]) -> str:
+def _moved_most(moved: Mapping[str, float]) -> str:
     name = max(moved, key=lambda one: (abs(moved[one]), one), default="")
     return f"{name} {moved[name]:+.3g}" if name and abs(moved[name]) > _NO_MOTION else _DASH
 

@@ -9,12 +9,7 @@ from pmjac_pin.configuration import Configuration
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.rates.ellipsoid import Ellipsoid
 from pmjac_pin.values.brief import brief
-from pmjac_pin.words.blocks import (
-    Block,
-    Heading,
-    Paragraph,
-    Table,
-)
+from pmjac_pin.words.blocks import Block, Heading, Paragraph, Table
 from pmjac_pin.words.labelled_matrix import LabelledMatrix
 from pmjac_pin.words.labelled_values import LabelledJoint
 from pmjac_pin.words.load_tables import load_blocks

@@ -12,6 +12,7 @@ import numpy as np
 LENGTHS, CRANK = {"l0": 4.0, "l1": 1.0, "l2": 3.0, "l3": 3.5}, 1.0
 #: Of these lengths the crank gets only to where coupler and rocker are in line, at SHORT_ENDS.
 SHORT, BEYOND = {"l0": 4.0, "l1": 3.0, "l2": 2.5, "l3": 2.0}, 2.0
+SHORT_NEAR = 1.2  # rad, not far from there
 SHORT_ENDS = float(np.arccos((4.0**2 + 3.0**2 - (2.5 + 2.0) ** 2) / (2 * 4.0 * 3.0)))
 QUESTIONS = {
     "close": "closes the loop at a crank angle",
@@ -59,6 +60,12 @@ def none(module: types.ModuleType, question: str) -> str:
     words = re.compile(WORDS[question], re.IGNORECASE)
     names = sorted(name for name in _names(module) if words.search(name))
     return f"? {', '.join(names[:3])}" if names else "none"
+
+
+def own_lines(module: types.ModuleType, question: str, told: str) -> str:
+    """Say what own lines found, unless public names have the words of the question."""
+    names = none(module, question)
+    return f"by own lines, {told}" if names == "none" else names
 
 
 def _names(module: types.ModuleType) -> set[str]:

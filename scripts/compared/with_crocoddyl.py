@@ -4,18 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-import crocoddyl as cd
+import crocoddyl
 from compared.known import none
 
 
 def answers() -> Mapping[str, str]:
     """Return what it says, by question."""
     return {
-        "close": none(cd, "close"),
+        "close": none(crocoddyl, "close"),
         "beyond": "–",
         "rate": "–",
-        "singular": none(cd, "singular"),
-        "modes": none(cd, "modes"),
-        "mobility": none(cd, "mobility"),
-        "simulate": f"no loops; {cd.ContactModel6D.__name__}",
+        "singular": none(crocoddyl, "singular"),
+        "modes": none(crocoddyl, "modes"),
+        "mobility": none(crocoddyl, "mobility"),
+        "simulate": f"no loops; {crocoddyl.ContactModel6D.__name__}",
     }

@@ -1,4 +1,4 @@
-"""Pinocchio has constraints and their Jacobians; what follows is Newton's method, by own lines."""
+"""Pinocchio has constraints and their Jacobians; the rest is by own lines."""
 
 from __future__ import annotations
 
@@ -6,54 +6,69 @@ from collections.abc import Mapping
 
 import numpy as np
 import pinocchio as pin
-from compared.known import BEYOND, CRANK, LENGTHS, SHORT, error, none, rocker, rocker_rate
+from compared import own_lines as own
+from compared.known import (
+    BEYOND,
+    CRANK,
+    LENGTHS,
+    SHORT,
+    SHORT_ENDS,
+    SHORT_NEAR,
+    error,
+    own_lines,
+    rocker,
+    rocker_rate,
+)
 
 import pmjac_pin as pj
 
 
-def parts_of(mechanism: pj.Mechanism) -> tuple[object, ...]:
-    """Return the model with its loop, and scratch for both."""
+def constraint(kind: type, mechanism: pj.Mechanism, tips: tuple[str, str]) -> tuple[object, object]:
+    """Return a constraint of two frames, and scratch for it."""
     model = mechanism.model
-    ends = [model.frames[model.getFrameId(f"{name}_tip")] for name in ("coupler", "rocker")]
-    sides = [side for end in ends for side in (end.parentJoint, end.placement)]
-    loop = pin.PointAnchorConstraintModel(model, *sides)
-    return model, model.createData(), loop, loop.createData()
+    ends = [model.frames[model.getFrameId(tip)] for tip in tips]
+    made = kind(model, *(side for end in ends for side in (end.parentJoint, end.placement)))
+    return made, made.createData()
 
 
-def opened(q: np.ndarray, parts: tuple[object, ...]) -> tuple[np.ndarray, np.ndarray]:
-    """Return the loop's gap at q and its Jacobian."""
-    model, data, loop, scratch = parts
-    pin.computeJointJacobians(model, data, q)
-    loop.calc(model, data, scratch)
-    jacobian = loop.jacobian(model, data, scratch)
-    return scratch.constraint_position_error.copy(), jacobian
+def loop_of(lengths: Mapping[str, float]) -> own.Loop:
+    """Return the four-bar's loop."""
+    bar = pj.load("four_bar", lengths)
+    model, data = bar.model, bar.model.createData()
+    anchor, scratch = constraint(pin.PointAnchorConstraintModel, bar, ("coupler_tip", "rocker_tip"))
+
+    def opened(q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        pin.computeJointJacobians(model, data, q)
+        anchor.calc(model, data, scratch)
+        jacobian = anchor.jacobian(model, data, scratch)
+        return scratch.constraint_position_error[:2].copy(), jacobian[:2]
+
+    joints = (model.joints[model.getJointId(name)].idx_v for name in ("theta1", "phi1"))
+    return own.Loop(opened, bar.home.q, *joints)
 
 
-def newton(mechanism: pj.Mechanism, crank: float) -> tuple[np.ndarray, float, np.ndarray]:
-    """Return q, the gap that is left and the rates of the other joints by the crank's."""
-    parts, q = parts_of(mechanism), mechanism.home.q.copy()
-    column = mechanism.model.joints[mechanism.model.getJointId("theta1")].idx_v
-    others = [k for k in range(3) if k != column]
-    q[column] = crank
-    for _ in range(100):
-        open_by, jacobian = opened(q, parts)
-        q[others] -= np.linalg.lstsq(jacobian[:, others], open_by, rcond=None)[0]
-    open_by, jacobian = opened(q, parts)
-    rates = -np.linalg.lstsq(jacobian[:, others], jacobian[:, [column]], rcond=None)[0]
-    return q, float(np.linalg.norm(open_by)), rates
+def bennett() -> str:
+    """Return its mobility: a hinge leaves the rotation about its z free, the last of six rows."""
+    machine = pj.load("bennett")
+    model, data = machine.model, machine.model.createData()
+    tips = ("follower_tip", "ground_tip")
+    hinge, scratch = constraint(pin.FrameAnchorConstraintModel, machine, tips)
+    pin.computeJointJacobians(model, data, machine.home.q)
+    hinge.calc(model, data, scratch)
+    return own.mobility(hinge.jacobian(model, data, scratch)[:5])
 
 
 def answers() -> Mapping[str, str]:
     """Return what it says, by question."""
-    bar, short = pj.load("four_bar", LENGTHS), pj.load("four_bar", SHORT)
-    q, _, rates = newton(bar, CRANK)
-    row = bar.model.joints[bar.model.getJointId("phi1")].idx_v
+    bar, short = loop_of(LENGTHS), loop_of(SHORT)
+    q, _ = own.newton(bar, CRANK)
+    end = error(own.end_of_mode(short, SHORT_NEAR), SHORT_ENDS)
     return {
-        "close": f"by own lines, {error(q[row], rocker(CRANK))}",
-        "beyond": f"own lines end open by {newton(short, BEYOND)[1]:.2g} m",
-        "rate": f"by own lines, {error(rates[0, 0], rocker_rate(CRANK))}",
-        "singular": none(pin, "singular"),
-        "modes": none(pin, "modes"),
-        "mobility": none(pin, "mobility"),
+        "close": f"by own lines, {error(q[bar.rocker], rocker(CRANK))}",
+        "beyond": f"own lines end open by {own.newton(short, BEYOND)[1]:.2g} m",
+        "rate": f"by own lines, {error(bar.rates(q)[bar.rocker], rocker_rate(CRANK))}",
+        "singular": own_lines(pin, "singular", end),
+        "modes": own_lines(pin, "modes", f"{own.ways(bar, CRANK)} from random starts"),
+        "mobility": own_lines(pin, "mobility", bennett()),
         "simulate": f"no stepping; {pin.constraintDynamics.__name__}",
     }

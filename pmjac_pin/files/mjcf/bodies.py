@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 from xml.etree.ElementTree import Element
@@ -12,13 +12,14 @@ import pinocchio as pin
 from pmjac_pin.files.mjcf.joints import MjcfJoint, joint_of
 from pmjac_pin.files.mjcf.mujoco import Compiled
 from pmjac_pin.files.mjcf.names import JOINT_TYPES, Names
-from pmjac_pin.files.mjcf.shapes import shape
 from pmjac_pin.files.tree_urdf import undrawn
 from pmjac_pin.files.xml_text import written
 from pmjac_pin.values.arrays import Array
 
 MAXIMAL_GEOMS = 2000
 
+# Those that a URDF has, by their number in mujoco.mjtGeom.
+_GEOMS = {2: "sphere", 3: "capsule", 5: "cylinder", 6: "box"}
 _NO_COLOUR = (0.5, 0.5, 0.5, 1.0)  # MuJoCo's, where nothing is given
 _SINGLE_DIGITS = 6  # of single precision
 
@@ -91,3 +92,24 @@ def _draw(body: Body, model: Any, number: int, drawn: Element) -> None:
     rgba = tuple(round(float(value), _SINGLE_DIGITS) for value in model.geom_rgba[number])
     colour = None if rgba == _NO_COLOUR else written(rgba)
     body.shapes.append((drawn, place(model.geom_pos[number], model.geom_quat[number]), colour))
+
+
+def shape(kind: int, size: Sequence[float]) -> Element:
+    """Return the shape of a geom; one that is not drawn where a URDF has none.
+
+    MuJoCo's sizes are half-lengths, a URDF's are whole ones.
+
+    Examples
+    --------
+    >>> shape(3, [0.1, 0.5, 0.0]).attrib
+    {'radius': '0.1', 'length': '1.0'}
+    >>> shape(7, [0.0, 0.0, 0.0]).tag
+    'mesh'
+    """
+    if (name := _GEOMS.get(kind)) is None:
+        return undrawn(f"geom of type {kind}")
+    if name == "sphere":
+        return Element(name, radius=written(size[:1]))
+    if name == "box":
+        return Element(name, size=written(2.0 * side for side in size))
+    return Element(name, radius=written(size[:1]), length=written([2.0 * size[1]]))

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from graphlib import CycleError, TopologicalSorter
 from xml.etree.ElementTree import Element
 
 import numpy as np
@@ -67,15 +68,11 @@ class Frames:
         self._given = given
         self._placements = {MODEL: pin.SE3.Identity()}
         self._links = {MODEL: canonical, WORLD: WORLD} | {link: link for link in links}
-        for name in given:
-            chain = self._chain(name, self._placements, "relative_to")
-            for other in reversed(chain):
-                frame = given[other]
-                self._placements[other] = self._placements[frame.relative_to] * frame.placement
-        for name in given:
-            chain = self._chain(name, self._links, "attached_to")
-            for other in reversed(chain):
-                self._links[other] = self._links[given[other].attached_to]
+        for name in self._in_order(self._placements, "relative_to"):
+            frame = given[name]
+            self._placements[name] = self._placements[frame.relative_to] * frame.placement
+        for name in self._in_order(self._links, "attached_to"):
+            self._links[name] = self._links[given[name].attached_to]
 
     def placement(self, name: str, where: str) -> pin.SE3:
         """Return a frame's placement in the model's frame."""
@@ -89,21 +86,22 @@ class Frames:
         check_name(f"{where}: the frame", name, names)
         return name
 
-    def _chain(self, name: str, done: Mapping[str, object], towards: str) -> list[str]:
-        """Return the frames from this one up to the first that is done already."""
-        chain: dict[str, None] = {}
-        while name not in done:
-            if name in chain:
-                cycle = [*list(chain)[list(chain).index(name) :], name]
-                some = " -> ".join(map(repr, cycle[:6])) + (" -> ..." if len(cycle) > 6 else "")
-                raise ModelFileError(f"frames are {towards.replace('_', ' ')} each other: {some}")
-            chain[name] = None
-            frame = self._given[name]
-            above = getattr(frame, towards)
-            if above not in done:
-                self._known(above, self._given, frame.where)
-            name = above
-        return list(chain)
+    def _in_order(self, done: Mapping[str, object], towards: str) -> list[str]:
+        """Return the frames that are not done yet, each behind the one that it rests on."""
+        above = {
+            name: getattr(frame, towards) for name, frame in self._given.items() if name not in done
+        }
+        for name, other in above.items():
+            if other not in done:
+                self._known(other, self._given, self._given[name].where)
+        graph = {name: [other] for name, other in above.items()}
+        try:
+            return [name for name in TopologicalSorter(graph).static_order() if name in above]
+        except CycleError as error:
+            cycle = error.args[1][::-1]
+            some = " -> ".join(map(repr, cycle[:6])) + (" -> ..." if len(cycle) > 6 else "")
+            what = f"frames are {towards.replace('_', ' ')} each other: {some}"
+            raise ModelFileError(what) from None
 
 
 def pose(where: str, element: Element, default: str) -> tuple[str, pin.SE3]:

@@ -7,13 +7,15 @@ from xml.etree.ElementTree import Element
 
 import numpy as np
 import pinocchio as pin
+from numpy.typing import NDArray
 
-from pmjac_pin.files.inertia import inertia_at
+from pmjac_pin.errors import ModelFileError
 from pmjac_pin.files.joint_dialects import listed
 from pmjac_pin.files.sdf.frames import Frames, pose, truth
 from pmjac_pin.files.sdf.joints import number_of
 from pmjac_pin.files.xml_text import label, only
 
+_LEAST_MOMENT = -1e-9  # of the largest moment: what rounding makes of zero
 _ONES = ("mass", "inertia/ixx", "inertia/iyy", "inertia/izz")  # of which the default is 1
 _DEFAULTS = {"ixx": "1", "ixy": "0", "ixz": "0", "iyy": "1", "iyz": "0", "izz": "1"}
 
@@ -61,4 +63,34 @@ def _link_inertia(where: str, inertial: Element, link: str, frames: Frames) -> p
     moments = np.array([[values[f"i{min(a, b)}{max(a, b)}"] for b in "xyz"] for a in "xyz"])
     relative_to, place = pose(where, inertial, link)
     centre = frames.placement(link, where).actInv(frames.placement(relative_to, where) * place)
-    return inertia_at(where, mass, moments, centre)
+    return _inertia_at(where, mass, moments, centre)
+
+
+def _inertia_at(
+    where: str, mass: float, moments: NDArray[np.float64], placement: pin.SE3
+) -> pin.Inertia:
+    """Return an inertia whose centre and axes are placed in a frame, in that frame.
+
+    Parameters
+    ----------
+    where : str
+        How messages call it.
+    mass : float
+        kg.
+    moments : ndarray, shape (3, 3)
+        About the centre, kg m².
+    placement : pin.SE3
+
+    Raises
+    ------
+    ModelFileError
+        A mass or a moment below zero.
+    """
+    if mass < 0.0:
+        raise ModelFileError(f"{where}: the mass is {mass:g}; it must not be negative")
+    principal, axes = np.linalg.eigh(moments)
+    if principal[0] < _LEAST_MOMENT * max(abs(principal[0]), principal[2]):
+        raise ModelFileError(f"{where}: a moment of inertia is {principal[0]:g}, below zero")
+    turned = placement.rotation @ axes
+    kept = turned @ np.diag(np.maximum(principal, 0.0)) @ turned.T
+    return pin.Inertia(mass, placement.translation, (kept + kept.T) / 2.0)

@@ -23,7 +23,6 @@ from pmjac_pin.files.unread_springs import spring_notes, sprung_joints
 from pmjac_pin.files.urdf.robot import Urdf
 from pmjac_pin.files.urdf.rotors import lost_rotors
 from pmjac_pin.files.xml_text import parse_xml
-from pmjac_pin.model.loop_spec import JointLoop
 
 MAXIMAL_SDF = 20_000_000  # bytes
 
@@ -71,13 +70,15 @@ def _foreign_model(model: SdfModel, path: Path, motors: Collection[str]) -> Fore
     _refuse_cut(graph, joints, coupled)
     tree = _tree(model, graph, joints, coupled)
     kept = [joints[branch.joint] for branch in graph.branches]
+    moving = {name for joint in kept for name in freedom_names(joint)}
     couplings = [
         coupling(gearbox, kept) for gearbox in gearboxes if gearbox.child not in graph.apart
     ]
     return ForeignModel(
         name=model.name or path.stem,
         urdf=Urdf.of(tree.urdf.robot, str(path)),
-        loops=(*tree.loops, *couplings, *_within_tree(mimics, kept)),
+        # Of couplings, those of joints that are in the tree: the others' links are left out.
+        loops=(*tree.loops, *couplings, *(loop for loop in mimics if set(loop.joints) <= moving)),
         spherical=tuple(tree.spherical),
         helical=tree.helical,
         armature={n: inertia for n, inertia in _armatures(joints).items() if n in tree.moving},
@@ -118,14 +119,6 @@ def _tree(
 
 def _armatures(joints: Iterable[SdfJoint]) -> dict[str, float]:
     return {joint.name: joint.armature for joint in joints if joint.armature}
-
-
-def _within_tree(mimics: Iterable[JointLoop], kept: Sequence[SdfJoint]) -> Iterator[JointLoop]:
-    """Yield the couplings of joints that are in the tree: the others' links are left out."""
-    names = {name for joint in kept for name in freedom_names(joint)}
-    for loop in mimics:
-        if set(loop.joints) <= names:
-            yield loop
 
 
 def _refuse_cut(graph: SpanningTree, joints: Sequence[SdfJoint], coupled: Collection[str]) -> None:

@@ -66,7 +66,11 @@ class SdfTree:
     def add(self, joint: SdfJoint, branch: Branch) -> None:
         """Add a joint of the tree and the link that it carries."""
         if joint.kind == "fixed":
-            self.urdf.joint(joint.name, "fixed", (branch.above, self._link(branch.below)))
+            self.urdf.joint(
+                joint.name,
+                "fixed",
+                (branch.above, self.urdf.link(branch.below, self._links[branch.below])),
+            )
         elif joint.kind == "ball":
             body = self._body(joint, branch.below)
             self.urdf.joint(joint.name, "floating", (branch.above, body))
@@ -106,9 +110,6 @@ class SdfTree:
         link, placement = self._model.frames[name]
         shared = name in self._links or name in self._joints
         self.urdf.fixed(link, self.urdf.unused(name) if shared else name, placement)
-
-    def _link(self, link: str) -> str:
-        return self.urdf.link(link, self._links[link])
 
     def _at(self, joint: SdfJoint, link: str) -> str:
         return self.urdf.unused(f"{joint.name}_on_{link}")

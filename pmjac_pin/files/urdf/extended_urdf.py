@@ -138,11 +138,8 @@ def _named_motors(parts: Sequence[str], joints: Sequence[str]) -> tuple[str, ...
             raise ModelFileError(f"`name_mot`: no joint that moves is named {part[:60]!r}{hint}")
         given = [name for name in named if name not in parts]
         found.update(dict.fromkeys([part] if part in named else given))
-    return (*found, *(name for name in joints if name not in found and _names_joint(name, parts)))
-
-
-def _names_joint(joint: str, parts: Sequence[str]) -> bool:
-    return any(part in joint for part in parts)
+    others = (name for name in joints if name not in found and any(part in name for part in parts))
+    return (*found, *others)
 
 
 def _replace_joints(robot: Element, replacements: Mapping[str, str]) -> list[str]:

@@ -10,8 +10,11 @@ import numpy as np
 import pinocchio as pin
 
 from pmjac_pin.errors import ArgumentError, LimitError, unknown_name
+from pmjac_pin.files.anchors import placement_of
+from pmjac_pin.files.tree_urdf import origin
+from pmjac_pin.files.urdf.checks import checked_origin
 from pmjac_pin.files.urdf.robot import Urdf
-from pmjac_pin.files.xml_text import numbers, written
+from pmjac_pin.files.xml_text import label, numbers
 from pmjac_pin.model.coordinates import JointCoordinates
 from pmjac_pin.model.joint_kinds import JOINT_KINDS
 from pmjac_pin.model.limits import SWITCH
@@ -140,10 +143,8 @@ def _locked_placement(kind: str, name: str, value: JointValue) -> pin.SE3:
 
 def _shift_origin(joint: Element, motion: pin.SE3) -> None:
     """Turn and shift a joint's origin by the joint's motion."""
-    origin = joint.find("origin")
-    xyz, rpy = (numbers("origin", origin, key, default="0 0 0", count=3) for key in ("xyz", "rpy"))
-    there = pin.SE3(pin.rpy.rpyToMatrix(np.array(rpy)), np.array(xyz)) * motion
-    if origin is None:
-        origin = SubElement(joint, "origin")
-    origin.set("xyz", written(there.translation))
-    origin.set("rpy", written(pin.rpy.matrixToRpy(there.rotation)))
+    there = placement_of(checked_origin(label(joint), joint)) * motion
+    element = joint.find("origin")
+    if element is None:
+        element = SubElement(joint, "origin")
+    element.attrib.update(origin(there))

@@ -13,6 +13,7 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
+from graphlib import CycleError, TopologicalSorter
 from xml.etree.ElementTree import Element
 
 import numpy as np
@@ -169,14 +170,9 @@ def idle_mimics(joints: Sequence[Element]) -> list[str]:
 
 
 def _refuse_circles(gears: Mapping[str, JointLoop]) -> None:
-    leads_out: set[str] = set()
-    for follower in gears:
-        chain: dict[str, None] = {}
-        name = follower
-        while name in gears and name not in leads_out:
-            if name in chain:
-                circle = [*list(chain)[list(chain).index(name) :], name]
-                raise ModelFileError(f"joints follow each other by <mimic>: {' -> '.join(circle)}")
-            chain[name] = None
-            name = gears[name].joints[0]
-        leads_out.update(chain)
+    leaders = {follower: [gear.joints[0]] for follower, gear in gears.items()}
+    try:
+        TopologicalSorter(leaders).prepare()
+    except CycleError as error:
+        circle = " -> ".join(error.args[1][::-1])
+        raise ModelFileError(f"joints follow each other by <mimic>: {circle}") from None

@@ -99,7 +99,8 @@ def read_robot(
     cut.remove_from(robot)
     anchors = Anchors(robot)
     cut.turn(anchors)
-    cut_loops, closings = cut.loops(anchors), read_closings(declared, names, anchors)
+    cut_loops = cut.loops(anchors)
+    closings = read_closings(declared, names, anchors) if declared else []
     loops = (*cut_loops, *(closing.loop for closing in closings), *gears)
     home, home_notes = home_within_limits(cut.checked, cut.kept)
     urdf = Urdf.of(robot, str(path))
@@ -158,9 +159,11 @@ def _declared(
 ) -> tuple[list[Element], list[str]]:
     """Take all that declares loops out of a robot; return it as URDF+ writes it, and notes."""
     declared = take_loops(robot)
-    gazebo, gazebo_notes = take_gazebo_joints(robot, cut.placements())
-    closing, closing_notes = closing_frames(links, declared, joined)
-    return [*declared, *gazebo, *closing], [*gazebo_notes, *closing_notes]
+    closing, notes = closing_frames(links, declared, joined)
+    if robot.find("gazebo") is not None:
+        gazebo, gazebo_notes = take_gazebo_joints(robot, cut.placements())
+        return [*declared, *gazebo, *closing], [*gazebo_notes, *notes]
+    return [*declared, *closing], notes
 
 
 def _actuated(

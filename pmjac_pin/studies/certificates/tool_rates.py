@@ -62,14 +62,13 @@ class ToolRates:
                 upper[:, row, columns] = np.moveaxis(one.upper, -1, 0)
         return Intervals(lower, upper)
 
-    def rows_of(self, poses: Poses) -> tuple[int, Columns, list[Number]]:
-        """Return how many rows there are, and by which columns which rates, each (columns, b).
+    def rows_of(self, poses: Poses) -> tuple[Columns, list[Number]]:
+        """Return by which columns each row has which rates, (columns, b).
 
         None for a row that nothing moves. Of poses on whose numbers derivatives ride.
         """
         frame = poses.riding(0, self._frame)
-        rates = self._rates(poses.algebra, frame)
-        return len(rates), frame.origin().columns, rates
+        return frame.origin().columns, self._rates(poses.algebra, frame)
 
     def _rates(self, algebra: Algebra, frame: Riding) -> list[Number]:
         rates = [*self._linear(algebra, frame), *self._angular(algebra, frame)]

@@ -11,10 +11,7 @@ from pmjac_pin.errors import NoMotorsError, PmjacError
 from pmjac_pin.files.foreign_model import links_from_the_ends
 from pmjac_pin.loading import load
 from pmjac_pin.mechanism import Mechanism
-from pmjac_pin.studies.check.diagnosis import (
-    Diagnosis,
-    Finding,
-)
+from pmjac_pin.studies.check.diagnosis import Diagnosis, Finding
 from pmjac_pin.studies.check.findings import in_order
 from pmjac_pin.studies.check.mechanism_diagnosis import of_mechanism, regular_pose
 from pmjac_pin.studies.check.unbuilt_diagnosis import of_error

@@ -6,13 +6,8 @@ import numpy as np
 
 from pmjac_pin.errors import ClosureError, LimitError, PmjacError
 from pmjac_pin.mechanism import Mechanism
-from pmjac_pin.studies.check.diagnosis import (
-    Failure,
-    PoseEntry,
-)
-from pmjac_pin.studies.check.diagnosis_structure import (
-    loop_gaps,
-)
+from pmjac_pin.studies.check.diagnosis import Failure, PoseEntry
+from pmjac_pin.studies.check.diagnosis_structure import loop_gaps
 from pmjac_pin.studies.check.machine import CheckedMachine
 from pmjac_pin.values.arrays import Array
 

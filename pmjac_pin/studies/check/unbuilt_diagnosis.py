@@ -7,17 +7,8 @@ import msgspec
 from pmjac_pin.closing.assembly import unassembled
 from pmjac_pin.errors import PmjacError
 from pmjac_pin.files.source import Source
-from pmjac_pin.studies.check.diagnosis import (
-    Diagnosis,
-    PoseEntry,
-)
-from pmjac_pin.studies.check.diagnosis_structure import (
-    Structure,
-    bodies,
-    freedoms,
-    loops,
-    mobility,
-)
+from pmjac_pin.studies.check.diagnosis import Diagnosis, PoseEntry
+from pmjac_pin.studies.check.diagnosis_structure import Structure, bodies, freedoms, loops, mobility
 from pmjac_pin.studies.check.findings import find
 from pmjac_pin.studies.check.pose_entries import failure_of, far_from_origin, gap_given
 from pmjac_pin.studies.evidence import Evidence

@@ -151,7 +151,6 @@ class _SdfWriter:
         model.extend(joints.values())
         for gear in followers(self._from_home.gears(), machine.motors, "sdf"):
             leader, follower = gear.joints
-            axis = joints[follower].find("axis")
             for axis in joints[follower].findall("axis"):
                 mimic = SubElement(axis, "mimic", joint=leader)
                 SubElement(mimic, "multiplier").text = written([gear.ratio])

@@ -29,6 +29,7 @@ class JointSteps:
         self._model, self._coordinates = model, JointCoordinates(model)
         self._data = model.createData()
         pin.computeJointJacobians(model, self._data, pin.neutral(model))
+        self._joints = [one.id for one in list(model.joints)[1:] for _ in range(one.nv)]
         self._efforts = stated_limits(model.lowerEffortLimit, model.upperEffortLimit)
         self._rates = stated_limits(model.lowerVelocityLimit, model.upperVelocityLimit)
 
@@ -71,12 +72,8 @@ class JointSteps:
         )
 
     def _axis(self, column: int, row: int) -> Array:
-        joint = next(
-            joint
-            for joint in list(self._model.joints)[1:]
-            if joint.idx_v <= column < joint.idx_v + joint.nv
-        )
-        own = pin.getJointJacobian(self._model, self._data, joint.id, pin.LOCAL).reshape(6, -1)
+        joint = self._joints[column]
+        own = pin.getJointJacobian(self._model, self._data, joint, pin.LOCAL).reshape(6, -1)
         axis = own[row : row + 3, column]
         return np.asarray(axis / np.linalg.norm(axis))
 

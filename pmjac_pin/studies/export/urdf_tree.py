@@ -81,25 +81,23 @@ class UrdfTree:
     ) -> None:
         """Write a planar joint, or another's first step."""
         above, below = (self.machine.bodies[k].name for k in (joint.parent, joint.child))
+        self.urdf.link(below, placed[joint.child])
         if joint.kind == "planar":
-            self.urdf.link(below, placed[joint.child])
             self.urdf.joint(joint.name, "planar", (above, below), MovingAxis((0.0, 0.0, 1.0)))
             return
         step = joint.steps[0]
-        self.urdf.link(below, placed[joint.child])
         self._step(step, (above, below), step.name in geared or joint.kind == "helical")
 
     def _step(self, step: PlainStep, ends: tuple[str, str], counted: bool) -> None:
-        if not step.single:
-            self.urdf.joint(step.name, _STEP_TYPES.get(step.kind, self.ball), ends, STILL)
-            self._motor(step)
-            return
-        lower, upper = self.values.limits(step)
-        if step.kind == "hinge" and not counted and not np.isfinite([lower, upper]).any():
-            self.urdf.joint(step.name, "continuous", ends, MovingAxis(step.axis))
-        else:
-            limits = (max(lower, -WITHOUT_LIMIT), min(upper, WITHOUT_LIMIT))
-            self.urdf.joint(step.name, _STEP_TYPES[step.kind], ends, MovingAxis(step.axis, limits))
+        kind, moves = _STEP_TYPES.get(step.kind, self.ball), STILL
+        if step.single:
+            lower, upper = self.values.limits(step)
+            if step.kind == "hinge" and not counted and not np.isfinite([lower, upper]).any():
+                kind, moves = "continuous", MovingAxis(step.axis)
+            else:
+                limits = (max(lower, -WITHOUT_LIMIT), min(upper, WITHOUT_LIMIT))
+                moves = MovingAxis(step.axis, limits)
+        self.urdf.joint(step.name, kind, ends, moves)
         self._motor(step)
 
     def _motor(self, step: PlainStep) -> None:

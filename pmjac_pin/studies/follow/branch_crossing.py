@@ -60,16 +60,17 @@ def _landed(
     """Return the way to a pose so far along the first of two tangents, if it is on its branch."""
     course, (x, other) = walker.course, tangent
     problem, rate = course.problem, spot.equations.rate(spot.t, x)
-    far = [pose_ahead(spot, x, other, size * part) for part in _NEARER]
-    off = []
-    for one in far:
-        if one.q is None or one.t > piece.end:
+    far: list[tuple[Array, float]] = []
+    for part in _NEARER:
+        one = pose_ahead(spot, x, other, size * part)
+        if one is None or one[1] > piece.end:
             return None
-        off.append(course.size(problem.difference(spot.q, one.q) - (one.t - spot.t) * rate))
+        far.append(one)
+    off = [course.size(problem.difference(spot.q, q) - (t - spot.t) * rate) for q, t in far]
     if not all(near <= _QUADRATIC * away + _OF_ROUNDING * size for away, near in pairwise(off)):
         return None
-    (q, t), partition = (far[0].q, far[0].t), problem.partition
-    if q is None or (point := course.close(q, piece, t, problem.difference(spot.q, q))) is None:
+    (q, t), partition = far[0], problem.partition
+    if (point := course.close(q, piece, t, problem.difference(spot.q, q))) is None:
         return None
     if is_singular(point, partition) or not is_invertible(point, partition):
         return None

@@ -15,7 +15,7 @@ Keller, *Numerical solution of bifurcation and nonlinear eigenvalue problems*, 1
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -30,15 +30,6 @@ _AHEAD = 1e-3  # of a length: how far a pose on a branch is looked for
 _NARROWER = 0.25  # of how far branches are apart there: how far a pose may be from its tangent
 _STEPS_ACROSS = 12
 _STEP_ACROSS = 1e-13
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class PoseAhead:
-    """A tangent x of unit length at a spot, and a closed pose on its branch."""
-
-    tangent: Array
-    q: Array | None
-    t: float
 
 
 def branch_tangents(spot: SingularSpot) -> list[Array]:
@@ -56,8 +47,10 @@ def branch_tangents(spot: SingularSpot) -> list[Array]:
     return [x / norm(x) * (1.0 if x[-1] >= 0.0 else -1.0) for x in both]
 
 
-def pose_ahead(spot: SingularSpot, tangent: Array, other: Array, size: float = _AHEAD) -> PoseAhead:
-    """Return a closed pose on a branch, by Newton's method across its tangent."""
+def pose_ahead(
+    spot: SingularSpot, tangent: Array, other: Array, size: float = _AHEAD
+) -> tuple[Array, float] | None:
+    """Return q and t of a closed pose on a branch, by Newton's method across its tangent."""
     equations, length = spot.equations, spot.equations.course.problem.partition.length
     far = size * length
     q, t = equations.moved(spot.q, spot.t, far * tangent)
@@ -74,8 +67,8 @@ def pose_ahead(spot: SingularSpot, tangent: Array, other: Array, size: float = _
             break
         q, t = equations.moved(q, t, step)
         if norm(step) <= _STEP_ACROSS * length:
-            return PoseAhead(tangent, q, t)
-    return PoseAhead(tangent, None, t)
+            return q, t
+    return None
 
 
 def branches(spot: SingularSpot, incoming: Array) -> tuple[PathBranch, ...]:
@@ -96,7 +89,7 @@ def branches(spot: SingularSpot, incoming: Array) -> tuple[PathBranch, ...]:
     result = []
     for k, (x, v) in enumerate(zip(found, motions, strict=True)):
         there = pose_ahead(spot, x, found[1 - k])
-        pose = None if there.q is None else course.configuration(there.q)
+        pose = None if there is None else course.configuration(there[0])
         rests, goes_on = bool(x[-1] <= _MOTORS_STILL), cosines[k] == max(cosines)
         result.append(PathBranch(v, rests, goes_on, pose))
     return tuple(sorted(result, key=lambda branch: not branch.goes_on))

@@ -49,8 +49,7 @@ class PathEquations:
         if not (pace and rank):
             return None
         _, jacobian = course.mechanism.kinematics.loop_equations(q)
-        scaled = partition.scaled(jacobian)
-        factors = partition.factorise(scaled[:, partition.passive], partition.size_of(scaled))
+        factors = partition.loop_rates(jacobian).passive
         return cls(course, piece, factors.left[:, :rank].T, factors.right[:rank].T, pace)
 
     @property

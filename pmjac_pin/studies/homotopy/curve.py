@@ -9,7 +9,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmjac_pin.studies.homotopy.curve_kernel import StepRules
 from pmjac_pin.studies.homotopy.machines import Line
@@ -28,44 +27,21 @@ _RULES = StepRules(
 )
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Planes:
-    """a · (x, t) = b, for each point of a batch: normals (b, n) and offsets (b,)."""
+def same_plane(numbers: Complex, count: int) -> Complex:
+    """Return a plane a · (x, t) = b, numbers (a, b), for each of `count` points, a row each."""
+    return np.tile(np.asarray(numbers, dtype=complex), (count, 1))
 
-    normals: Complex
-    offsets: Complex
 
-    @classmethod
-    def all_at(cls, normal: Complex, offset: complex, count: int) -> Planes:
-        """Return the same plane for `count` points."""
-        return cls(np.tile(normal, (count, 1)), np.full(count, offset, dtype=complex))
+def machine_plane(t: float, unknowns: int, count: int) -> Complex:
+    """Return the plane of one machine of the line, for `count` points."""
+    return same_plane(np.append(np.eye(unknowns + 1)[-1], t), count)
 
-    @classmethod
-    def at_machine(cls, t: float, unknowns: int, count: int) -> Planes:
-        """Return the plane of one machine of the line, for `count` points."""
-        return cls.all_at(np.eye(unknowns + 1, dtype=complex)[-1], t, count)
 
-    @property
-    def numbers(self) -> Complex:
-        """All of them: normals, then offsets."""
-        return np.column_stack([self.normals, self.offsets])
-
-    def __getitem__(self, index: NDArray[np.intp] | Mask) -> Planes:
-        return Planes(self.normals[index], self.offsets[index])
-
-    def __sub__(self, other: Planes) -> Planes:
-        return Planes(self.normals - other.normals, self.offsets - other.offsets)
-
-    def moved(self, share: Array, pull: Planes) -> Planes:
-        """Return the planes that far along a straight line in their numbers."""
-        normals = self.normals + share[:, None] * pull.normals
-        return Planes(normals, self.offsets + share * pull.offsets)
-
-    def missed_by_ray(self, points: Complex) -> Complex:
-        """Return a · (X, h t) − b h of points (X, h, t)."""
-        X, h, t = points[:, :-2], points[:, -2], points[:, -1]
-        height = self.normals[:, -1] * t - self.offsets
-        return np.asarray((self.normals[:, :-1] * X).sum(axis=1) + height * h)
+def _missed_by_rays(planes: Complex, points: Complex) -> Complex:
+    """Return a · (X, h t) − b h of points (X, h, t)."""
+    X, h, t = points[:, :-2], points[:, -2], points[:, -1]
+    height = planes[:, -2] * t - planes[:, -1]
+    return np.asarray((planes[:, :-2] * X).sum(axis=1) + height * h)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -83,7 +59,7 @@ class Curve:
         """How many coordinates (x, t) a point has."""
         return self.line.count + 1
 
-    def walk(self, points: Complex, start: Planes, end: Planes) -> tuple[Complex, Mask]:
+    def walk(self, points: Complex, start: Complex, end: Complex) -> tuple[Complex, Mask]:
         """Follow points (x, t) from planes to planes; return them, and which arrived.
 
         Those that arrive at infinity come back with entries of 1e8 and more.
@@ -92,10 +68,10 @@ class Curve:
         if lanes is None:
             points, share = self._followed(points, start, pull)
         else:
-            points, share = lanes.follow(points, start.numbers, pull.numbers, _RULES)
+            points, share = lanes.follow(points, start, pull, _RULES)
         return _affine(points), share >= _RULES.arrived
 
-    def _followed(self, points: Complex, start: Planes, pull: Planes) -> tuple[Complex, Array]:
+    def _followed(self, points: Complex, start: Complex, pull: Complex) -> tuple[Complex, Array]:
         """Return where points (X, h, t) are led, and the shares of the way that they went."""
         share, step = np.zeros(len(points)), np.full(len(points), _RULES.first)
         going = np.ones(len(points), dtype=bool)
@@ -104,48 +80,49 @@ class Curve:
             if not now.size:
                 break
             length = np.minimum(step[now], 1.0 - share[now])
-            stretch = _Stretch(start[now], pull[now], share[now], length)
-            trial, good = self._stepped(points[now], stretch)
+            here, ahead = start[now] + share[now, None] * pull[now], length[:, None] * pull[now]
+            trial, good = self._stepped(points[now], here, ahead)
             points[now[good]] = _unit_points(trial[good])
             share[now[good]] += length[good]
             step[now] = np.where(good, step[now] * 2.0, step[now] * 0.5)
             going &= (share < _RULES.arrived) & (step >= _RULES.smallest)
         return points, share
 
-    def corrected(self, points: Complex, planes: Planes, steps: int) -> tuple[Complex, Array]:
+    def corrected(self, points: Complex, planes: Complex, steps: int) -> tuple[Complex, Array]:
         """Return points (x, t) after some of Newton's steps, and the size of the last."""
         rays = _rays(points)
         with np.errstate(all="ignore"):
             rays, size = self._newton(rays, rays[:, :-1].conj(), planes, steps)
         return _affine(rays), size
 
-    def _stepped(self, points: Complex, stretch: _Stretch) -> tuple[Complex, Mask]:
-        """Return the points a step further, and which of them are certainly there."""
+    def _stepped(self, points: Complex, here: Complex, ahead: Complex) -> tuple[Complex, Mask]:
+        """Return the points in planes a step ahead, and which of them are certainly there."""
         across = points[:, :-1].conj()
         with np.errstate(all="ignore"):
-            trial = self._predicted(points, across, stretch)
-            trial, first = self._newton(trial, across, stretch.planes(1.0), 1)
-            trial, last = self._newton(trial, across, stretch.planes(1.0), _RULES.corrections - 1)
+            trial = self._predicted(points, across, here, ahead)
+            trial, first = self._newton(trial, across, here + ahead, 1)
+            trial, last = self._newton(trial, across, here + ahead, _RULES.corrections - 1)
         return trial, (first < _RULES.close) & (last < _RULES.exact)
 
-    def _predicted(self, points: Complex, across: Complex, stretch: _Stretch) -> Complex:
-        """Return the points a step further, by Runge and Kutta's fourth-order rule."""
+    def _predicted(
+        self, points: Complex, across: Complex, here: Complex, ahead: Complex
+    ) -> Complex:
+        """Return the points in planes a step ahead, by Runge and Kutta's fourth-order rule."""
 
-        def velocity(at: Complex, part: float) -> Complex:
-            _, jacobian = self._system(at, across, stretch.planes(part))
+        def moved(at: Complex, part: float) -> Complex:
+            _, jacobian = self._system(at, across, here + part * ahead)
             change = np.zeros_like(at)
-            change[:, -2] = -stretch.pull.missed_by_ray(at)
+            change[:, -2] = -_missed_by_rays(ahead, at)
             return _each_solved(jacobian, change)
 
-        h = stretch.length[:, None]
-        one = velocity(points, 0.0)
-        two = velocity(points + 0.5 * h * one, 0.5)
-        three = velocity(points + 0.5 * h * two, 0.5)
-        four = velocity(points + h * three, 1.0)
-        return np.asarray(points + h / 6.0 * (one + 2.0 * two + 2.0 * three + four))
+        one = moved(points, 0.0)
+        two = moved(points + 0.5 * one, 0.5)
+        three = moved(points + 0.5 * two, 0.5)
+        four = moved(points + three, 1.0)
+        return np.asarray(points + (one + 2.0 * two + 2.0 * three + four) / 6.0)
 
     def _newton(
-        self, points: Complex, across: Complex, planes: Planes, steps: int
+        self, points: Complex, across: Complex, planes: Complex, steps: int
     ) -> tuple[Complex, Array]:
         """Return points after some steps, and how long the last was: t relative to its size."""
         size: Array = np.full(len(points), np.inf)
@@ -157,34 +134,19 @@ class Curve:
             size = np.linalg.norm(step[:, :-1], axis=1) + dt / (1.0 + t)
         return points, np.where(np.isfinite(size), size, np.inf)
 
-    def _system(self, points: Complex, across: Complex, planes: Planes) -> tuple[Complex, Complex]:
+    def _system(self, points: Complex, across: Complex, planes: Complex) -> tuple[Complex, Complex]:
         """Return F, the plane's equation and that of (X, h)'s own, and their derivatives."""
         X, t = points[:, :-1], points[:, -1]
         residual, jacobian = self.line.evaluate(X, t)
-        plane, normals = planes.missed_by_ray(points), planes.normals
-        patch = (across * X).sum(axis=1) - 1.0
-        height = normals[:, -1] * t - planes.offsets
+        plane, patch = _missed_by_rays(planes, points), (across * X).sum(axis=1) - 1.0
         rows = np.zeros((len(points), 2, points.shape[1]), dtype=complex)
-        rows[:, 0, :-2], rows[:, 0, -2] = normals[:, :-1], height
-        rows[:, 0, -1] = normals[:, -1] * X[:, -1]
+        rows[:, 0, :-2], rows[:, 0, -2] = planes[:, :-2], planes[:, -2] * t - planes[:, -1]
+        rows[:, 0, -1] = planes[:, -2] * X[:, -1]
         rows[:, 1, :-1] = across
         return (
             np.concatenate([residual, plane[:, None], patch[:, None]], axis=1),
             np.concatenate([jacobian, rows], axis=1),
         )
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Stretch:
-    """A step of each point along its path of planes."""
-
-    start: Planes
-    pull: Planes
-    share: Array
-    length: Array
-
-    def planes(self, part: float) -> Planes:
-        return self.start.moved(self.share + part * self.length, self.pull)
 
 
 def place_of(point: Complex, points: Complex) -> int | None:

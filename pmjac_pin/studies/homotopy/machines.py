@@ -39,7 +39,7 @@ class Machine:
     def near(self, rng: np.random.Generator) -> Machine:
         """Return a random machine about this one, its loops shut."""
         size = np.maximum(np.abs(self.p), 0.5)
-        return Machine(self.p + _SPREAD * size * _normal(rng, self.p.size), 0.0 * self.gaps)
+        return Machine(self.p + _SPREAD * size * complex_normal(rng, self.p.size), 0.0 * self.gaps)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -74,7 +74,7 @@ class Line:
     @classmethod
     def through(cls, loops: PolynomialLoops, start: Machine, rng: np.random.Generator) -> Line:
         """Return a line on which the motors stand still and the gaps open at random."""
-        opening = _normal(rng, loops.rows)
+        opening = complex_normal(rng, loops.rows)
         return cls(loops, start, Machine(start.p, start.gaps + opening))
 
 
@@ -159,5 +159,6 @@ def _refuse_over_actuated(mechanism: Mechanism) -> None:
         raise ArgumentError(f"{mechanism.name}: no homotopy for this mechanism: {why}")
 
 
-def _normal(rng: np.random.Generator, size: int) -> Complex:
+def complex_normal(rng: np.random.Generator, *size: int) -> Complex:
+    """Return complex numbers whose real and imaginary parts are normal."""
     return np.asarray(rng.normal(size=size) + 1j * rng.normal(size=size))

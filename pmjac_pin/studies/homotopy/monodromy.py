@@ -14,13 +14,14 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from pmjac_pin.studies.homotopy.curve import Curve, Planes, distinct, place_of
+from pmjac_pin.studies.homotopy.curve import Curve, distinct, place_of, same_plane
+from pmjac_pin.studies.homotopy.machines import complex_normal
 from pmjac_pin.values.arrays import Complex, Index
 
 _log = logging.getLogger(__name__)
@@ -37,36 +38,33 @@ class PlaneSection:
     Attributes
     ----------
     curve : Curve
-    normal : ndarray, shape (n,)
-    offset : complex
-        Of the plane.
+    plane : ndarray, shape (n + 1,)
+        Normal and offset.
     points : ndarray, shape (m, n)
     links : ndarray, shape (k, 2)
         Pairs of points that a closed path led from one to the other.
     """
 
     curve: Curve
-    normal: Complex
-    offset: complex
+    plane: Complex
     points: Complex
     links: Index
 
     @classmethod
     def through(cls, curve: Curve, point: Complex, rng: np.random.Generator) -> PlaneSection:
         """Return the section with a random plane through one point."""
-        normal = rng.normal(size=curve.size) + 1j * rng.normal(size=curve.size)
-        return cls(curve, normal, complex(normal @ point), point[None], np.zeros((0, 2), int))
+        normal = complex_normal(rng, curve.size)
+        plane = np.append(normal, normal @ point)
+        return cls(curve, plane, point[None], np.zeros((0, 2), int))
 
-    def planes(self, shift: complex = 0.0, count: int | None = None) -> Planes:
+    def planes(self, shift: complex = 0.0, count: int | None = None) -> Complex:
         """Return the plane, or one parallel to it, for each of the points."""
         count = len(self.points) if count is None else count
-        return Planes.all_at(self.normal, self.offset + shift, count)
+        return same_plane(np.append(self.plane[:-1], self.plane[-1] + shift), count)
 
     def with_points(self, points: Complex) -> PlaneSection:
         """Return the section with further points of the curve in its plane."""
-        return PlaneSection(
-            self.curve, self.normal, self.offset, distinct(points, self.points), self.links
-        )
+        return replace(self, points=distinct(points, self.points))
 
     def grown(self, rng: np.random.Generator) -> PlaneSection:
         """Lead the points round closed paths of planes; return them with those they became."""
@@ -93,11 +91,7 @@ class PlaneSection:
         """
         count = len(self.points)
         starts = np.vstack([self.points, self.points])
-        shifted = [self.planes(steps * shift) for steps in (1.0, 2.0)]
-        ends = Planes(
-            np.vstack([planes.normals for planes in shifted]),
-            np.concatenate([planes.offsets for planes in shifted]),
-        )
+        ends = np.vstack([self.planes(steps * shift) for steps in (1.0, 2.0)])
         moved, arrived = self.curve.walk(starts, self.planes(count=2 * count), ends)
         second = self.points - 2.0 * moved[:count] + moved[count:]
         lost = ~(arrived[:count] & arrived[count:])
@@ -115,9 +109,7 @@ class PlaneSection:
         for point, first in zip(moved, origin, strict=True):
             if (place := place_of(point, points)) is not None:
                 links.append(np.array([[first, place]]))
-        return PlaneSection(
-            self.curve, self.normal, self.offset, points, np.unique(np.vstack(links), axis=0)
-        )
+        return replace(self, points=points, links=np.unique(np.vstack(links), axis=0))
 
 
 def all_points(
@@ -162,17 +154,13 @@ def random_turn(rng: np.random.Generator) -> complex:
     return complex(np.exp(2j * np.pi * rng.uniform()))
 
 
-def _closed_path(here: Planes, count: int, rng: np.random.Generator) -> tuple[Planes, Planes]:
+def _closed_path(here: Complex, count: int, rng: np.random.Generator) -> tuple[Complex, Complex]:
     """Return a random plane for each path of `count` points, and the first plane again.
 
     Its numbers come back times a complex factor, which makes the way back another one.
     """
-    paths, size = len(here.offsets) // count, here.normals.shape[1]
-
-    def drawn(numbers: int) -> Complex:
-        found = rng.normal(size=(paths, numbers)) + 1j * rng.normal(size=(paths, numbers))
-        return np.asarray(np.repeat(found, count, axis=0))
-
-    factor = drawn(1)
-    back = Planes(factor * here.normals, factor[:, 0] * here.offsets)
-    return Planes(drawn(size), drawn(1)[:, 0]), back
+    paths, size = len(here) // count, here.shape[1] - 1
+    factor, normals, offsets = (
+        np.repeat(complex_normal(rng, paths, numbers), count, axis=0) for numbers in (1, size, 1)
+    )
+    return np.hstack([normals, offsets]), factor * here

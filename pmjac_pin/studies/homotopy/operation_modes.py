@@ -22,7 +22,7 @@ from scipy.sparse.csgraph import connected_components
 from pmjac_pin.errors import ArgumentError
 from pmjac_pin.studies.evidence import Evidence
 from pmjac_pin.studies.homotopy.complex_modes import ComplexModes
-from pmjac_pin.studies.homotopy.curve import Curve, Planes, place_of
+from pmjac_pin.studies.homotopy.curve import Curve, machine_plane, place_of
 from pmjac_pin.studies.homotopy.machines import Line, Machine
 from pmjac_pin.studies.homotopy.monodromy import STRAIGHT, PlaneSection, grown_whole
 from pmjac_pin.studies.homotopy.polynomial_loops import PolynomialLoops
@@ -80,7 +80,7 @@ def find_operation_modes(
     both = np.vstack([twin for one in solutions for twin in loops.twins(one)] or [solutions])
     owner = np.repeat(np.arange(len(solutions)), len(both) // max(1, len(solutions)))
     curve = Curve(Line(loops, machine, machine.near(rng)))
-    here = Planes.at_machine(0.0, loops.count, len(both))
+    here = machine_plane(0.0, loops.count, len(both))
     points = np.hstack([both, np.zeros((len(both), 1))])
     section, places = _led_into(curve, points, here, rng)
     section, labels, bends = grown_whole(section, PlaneSection.components, rng, most_rounds)
@@ -88,7 +88,7 @@ def find_operation_modes(
 
 
 def _led_into(
-    curve: Curve, points: Complex, here: Planes, rng: np.random.Generator
+    curve: Curve, points: Complex, here: Complex, rng: np.random.Generator
 ) -> tuple[PlaneSection, Index]:
     """Return a section with a random plane that the points were led into, and where they are."""
     section = PlaneSection.through(curve, points[0], rng)

@@ -24,15 +24,10 @@ from pmjac_pin.configuration import Configuration
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.studies.evidence import Evidence
 from pmjac_pin.studies.homotopy.complex_modes import ComplexModes
-from pmjac_pin.studies.homotopy.curve import Curve, Planes
+from pmjac_pin.studies.homotopy.curve import Curve, machine_plane
 from pmjac_pin.studies.homotopy.endpoints import proven, told_real
 from pmjac_pin.studies.homotopy.machines import ClosedForm, Line, Machine, Machines
-from pmjac_pin.studies.homotopy.monodromy import (
-    STRAIGHT,
-    PlaneSection,
-    all_points,
-    random_turn,
-)
+from pmjac_pin.studies.homotopy.monodromy import STRAIGHT, PlaneSection, all_points, random_turn
 from pmjac_pin.studies.homotopy.operation_modes import OperationModes, find_operation_modes
 from pmjac_pin.studies.homotopy.paths import PathEnds, led, led_to_end
 from pmjac_pin.studies.homotopy.solving import near, solutions_of
@@ -296,12 +291,11 @@ def _meets_home(homotopy: ParameterHomotopy) -> bool:
 def _at_start(section: PlaneSection, rng: np.random.Generator) -> PathEnds:
     """Lead all points of a section to t = 0, on other paths if some are lost on the first."""
     count = len(section.points)
-    there = Planes.at_machine(0.0, section.curve.line.count, count)
+    there = machine_plane(0.0, section.curve.line.count, count)
     tries: list[PathEnds] = []
     while not tries or (tries[-1].lost and len(tries) < _TRIES):
         turn = random_turn(rng)
-        end = Planes(turn * there.normals, turn * there.offsets)
-        tries.append(led(section.curve, section.points, section.planes(), end))
+        tries.append(led(section.curve, section.points, section.planes(), turn * there))
     return min(tries, key=lambda ends: ends.lost)
 
 

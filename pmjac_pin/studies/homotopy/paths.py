@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pmjac_pin.studies.homotopy.curve import Curve, Planes
+from pmjac_pin.studies.homotopy.curve import Curve, machine_plane
 from pmjac_pin.values.arrays import Complex, Mask
 
 # A path is followed to a share 1 − 4⁻ᵏ of it, for one k after the other. It goes to infinity if it
@@ -39,13 +39,13 @@ class PathEnds:
         return int((~self.arrived & ~self.to_infinity).sum())
 
 
-def led(curve: Curve, points: Complex, start: Planes, end: Planes) -> PathEnds:
+def led(curve: Curve, points: Complex, start: Complex, end: Complex) -> PathEnds:
     """Lead points of a curve from planes to planes."""
     count, points, here = len(points), points.copy(), start
     going, growing = np.ones(count, dtype=bool), np.zeros(count, dtype=bool)
     size = np.abs(points).max(axis=1, initial=1.0)
     for stop in _STOPS:
-        there = start.moved(np.full(count, stop), end - start)
+        there = start + stop * (end - start)
         now = np.flatnonzero(going)
         points[now], arrived = curve.walk(points[now], here[now], there[now])
         before, size, here = size, np.abs(points).max(axis=1, initial=1.0), there
@@ -61,6 +61,6 @@ def led(curve: Curve, points: Complex, start: Planes, end: Planes) -> PathEnds:
 def led_to_end(curve: Curve, x: Complex) -> PathEnds:
     """Lead solutions (m, n) of the line's first machine to those of its last."""
     points = np.hstack([x, np.zeros((len(x), 1))])
-    start, end = (Planes.at_machine(t, curve.line.count, len(x)) for t in (0.0, 1.0))
+    start, end = (machine_plane(t, curve.line.count, len(x)) for t in (0.0, 1.0))
     ends = led(curve, points, start, end)
     return PathEnds(ends.points[:, :-1], ends.arrived, ends.to_infinity)

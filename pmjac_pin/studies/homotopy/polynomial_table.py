@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
 from pmjac_pin.algebra.arrays import Numbers
+from pmjac_pin.algebra.series import Exponents
 from pmjac_pin.values.arrays import Complex
 
 BallMatrix = NDArray[Any]
-Exponents = tuple[int, ...]
 
 
 class PolynomialTable:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Protocol
+from typing import TypeAlias
 
 import numpy as np
 
@@ -16,31 +16,6 @@ from pmjac_pin.studies.modes.closed_pose import closed_pose, open_by
 from pmjac_pin.studies.modes.proof import Proof
 from pmjac_pin.studies.modes.recognition import Recognition
 from pmjac_pin.values.arrays import Array
-
-
-class Census(Protocol):
-    """All modes at given motor values, known otherwise than by a search.
-
-    Attributes
-    ----------
-    whole : bool
-        Whether these are all: others are of no use here.
-    """
-
-    @property
-    def whole(self) -> bool: ...  # noqa: D102
-
-    def evidence(self, count: int) -> Evidence:
-        """Return what it rests on that they are all, the rows being so many modes."""
-        ...
-
-    def rows(self) -> list[Array]:
-        """Return the modes as rows of q."""
-        ...
-
-    def found_as(self, found: Sequence[Configuration]) -> list[int | None]:
-        """Return for each row which of the found modes it is, None for none."""
-        ...
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -122,6 +97,10 @@ class HomotopyCensus:
         """Return which found mode has all bodies where each real solution has them."""
         recognition = Recognition(found)
         return [*map(recognition.index, self._modes), *([None] * len(self._open))]
+
+
+#: All modes at given motor values, known otherwise than by a search; of use where they are `whole`.
+Census: TypeAlias = ProofCensus | HomotopyCensus
 
 
 def missing(census: Census, found: Sequence[Configuration]) -> list[Array]:

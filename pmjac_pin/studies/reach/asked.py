@@ -67,7 +67,7 @@ class Asked:
     def trail_downhill(self, start: Configuration) -> list[Configuration]:
         """Return the poses on the way, by the motors, to where a target is nearest."""
         trail = trail_to_nearest(self._space, self._by_leading_motors(start))
-        return [self._by_all_motors(one) for one in trail]
+        return [_as_pose_of(self.mechanism, one) for one in trail]
 
     def is_nearest(self, configuration: Configuration) -> bool:
         """Tell whether the target is nearest here, of all poses around."""
@@ -79,7 +79,7 @@ class Asked:
         rates = self._space.system(here)[1]
         if factorise(rates, norm(rates), NO_MOTION).rank == rates.shape[1]:
             return configuration
-        found = self._by_all_motors(least_motion(self._space, here, self._wanted))
+        found = _as_pose_of(self.mechanism, least_motion(self._space, here, self._wanted))
         if not self.meets(found):  # where limits or a singular pose ended the self-motion
             found = self.trail_downhill(found)[-1]
         return found if self.meets(found) else configuration
@@ -96,15 +96,7 @@ class Asked:
 
     def _by_leading_motors(self, configuration: Configuration) -> Configuration:
         """Return a pose as one of the machine whose motors are not tied."""
-        mechanism = self._space.mechanism
-        if mechanism is self.mechanism:
-            return configuration
-        return mechanism.configuration(configuration.q)
-
-    def _by_all_motors(self, configuration: Configuration) -> Configuration:
-        if configuration.mechanism is self.mechanism:
-            return configuration
-        return self.mechanism.configuration(configuration.q)
+        return _as_pose_of(self._space.mechanism, configuration)
 
     def poses_elsewhere(self) -> Iterator[Configuration]:
         """Yield closed poses at the target, from seeded starts, within limits."""
@@ -148,3 +140,8 @@ class Asked:
         rests = f"{miss.linear:.2g} m and {miss.angular:.2g} rad from the target"
         evidence = Evidence("tolerance", f"a closed pose, {rests}")
         return Reached(status, configuration, miss, share, message, evidence, **more)  # type: ignore[arg-type]
+
+
+def _as_pose_of(mechanism: Mechanism, configuration: Configuration) -> Configuration:
+    same = configuration.mechanism is mechanism
+    return configuration if same else mechanism.configuration(configuration.q)

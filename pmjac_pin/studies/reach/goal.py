@@ -160,9 +160,8 @@ def is_met(goals: Sequence[Goal], mechanism: Mechanism, q: Array) -> bool:
 def tool_at(mechanism: Mechanism, tool: Tool, q: Array) -> tuple[Array, pin.SE3]:
     """Return a tool's Jacobian (6, nv), LOCAL_WORLD_ALIGNED, and its pose in the world."""
     kinematics = mechanism.kinematics
-    seen = kinematics.tool_at(q, tool_kinematics(kinematics.model, tool))
-    twists, rotation, position = seen
-    return twists, pin.SE3(rotation, position + mechanism.place)
+    twists, pose = kinematics.tool_at(q, tool_kinematics(kinematics.model, tool))
+    return twists, pin.SE3(pose.rotation, pose.translation + mechanism.place)
 
 
 def turn_between(one: Array, other: Array) -> Array:

@@ -9,7 +9,8 @@ what the machine never does has no joint at all.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Literal, TypeAlias, assert_never
 
 import numpy as np
@@ -36,20 +37,20 @@ class ChainJoint:
     ----------
     name : str
     joint : pin.JointModel
-    place : pin.SE3
-        In the joint before.
-    driven : bool
-        Whether it is a motor: what the task tells.
     entries : callable
         (d (3,), Q (3, 3)) ↦ its entries in q, where the tool has slid and turned so since home, in
         the axes of the base.
+    driven : bool
+        Whether it is a motor: what the task tells.
+    place : pin.SE3
+        In the joint before.
     """
 
     name: str
     joint: pin.JointModel
-    place: pin.SE3
-    driven: bool
     entries: Callable[[Array, Array], Array]
+    driven: bool = True
+    place: pin.SE3 = field(default_factory=pin.SE3.Identity)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -130,50 +131,31 @@ class ToolChain:
     def joints(self) -> tuple[ChainJoint, ...]:
         """The virtual joints, the first one's place being in the world."""
         chain = [*self._sliding(), *self._turning()]
-        if chain:
-            first = chain[0]
-            chain[0] = ChainJoint(
-                first.name, first.joint, self.base * first.place, first.driven, first.entries
-            )
-        return tuple(chain)
+        return tuple(
+            one if k else replace(one, place=self.base * one.place) for k, one in enumerate(chain)
+        )
 
     def _sliding(self) -> Iterator[ChainJoint]:
-        still = pin.SE3.Identity()
         if not self.singly and (self.slides == 3 or (self.floats and not self.slides)):
-            joint = pin.JointModelTranslation()
-            yield ChainJoint(
-                f"{self.name} position", joint, still, self.slides > 0, lambda slid, _: slid
-            )
+            name, anywhere = f"{self.name} position", pin.JointModelTranslation()
+            yield ChainJoint(name, anywhere, lambda slid, _: slid, self.slides > 0)
             return
-        for k in range(3 if self.floats else self.slides):
-            joint = (pin.JointModelPX, pin.JointModelPY, pin.JointModelPZ)[k]()
-            yield ChainJoint(
-                f"{self.name} slide {k + 1}",
-                joint,
-                still,
-                k < self.slides,
-                _part(k),
-            )
+        kinds = (pin.JointModelPX, pin.JointModelPY, pin.JointModelPZ)
+        for k, kind in enumerate(kinds[: 3 if self.floats else self.slides]):
+            yield ChainJoint(f"{self.name} slide {k + 1}", kind(), _part(k), k < self.slides)
 
     def _turning(self) -> Iterator[ChainJoint]:
-        name = self.name
+        name, hinge = self.name, pin.JointModelRUBZ()
         match self.turning:
             case "free" | "none":
                 return
             case "orientation" | "pointing" | "swivel":
                 yield from self._ball(self.turning != "swivel")
                 if self.turning == "pointing":
-                    still_spin = np.array([1.0, 0.0])
-                    spin = pin.JointModelRUBZ()
-                    yield ChainJoint(
-                        f"{name} spin", spin, self._about, False, lambda *_: still_spin
-                    )
+                    yield ChainJoint(f"{name} spin", hinge, _no_turn, False, self._about)
             case "hinge":
-                axis = self.axes.T @ self.axis
-                hinge = pin.JointModelRUBZ()
-                yield ChainJoint(
-                    f"{name} angle", hinge, self._about, True, lambda _, turned: _turn(axis, turned)
-                )
+                turn = partial(_turn, self.axes.T @ self.axis)
+                yield ChainJoint(f"{name} angle", hinge, turn, place=self._about)
             case "heading":
                 yield from self._heading()
             case _:
@@ -183,8 +165,8 @@ class ToolChain:
         if (gimbal := self.gimbal) is not None:
             yield from self._in_turn(gimbal.before, gimbal.after, 3 * driven)
             return
-        ball, still = pin.JointModelSpherical(), pin.SE3.Identity()
-        yield ChainJoint(f"{self.name} orientation", ball, still, driven, _quaternion)
+        ball = pin.JointModelSpherical()
+        yield ChainJoint(f"{self.name} orientation", ball, _quaternion, driven)
 
     def _heading(self) -> Iterator[ChainJoint]:
         """Yield turns about the axis, then about y and x: of these the first is the heading."""
@@ -193,18 +175,15 @@ class ToolChain:
 
     def _in_turn(self, before: Array, after: Array, driven: int) -> Iterator[ChainJoint]:
         """Yield turns about z, y and x, the first so many driven, between what is turned before."""
-        still, kinds = (
-            pin.SE3.Identity(),
-            (pin.JointModelRUBZ, pin.JointModelRUBY, pin.JointModelRUBX),
-        )
+        kinds = (pin.JointModelRUBZ, pin.JointModelRUBY, pin.JointModelRUBX)
         for k, (kind, what) in enumerate(zip(kinds, ("yaw", "pitch", "roll"), strict=True)):
 
             def entries(_: Array, turned: Array, k: int = k) -> Array:
                 angle = pin.rpy.matrixToRpy(before.T @ turned @ after)[2 - k]
                 return np.array([np.cos(angle), np.sin(angle)])
 
-            place = still if k else pin.SE3(before, np.zeros(3))
-            yield ChainJoint(f"{self.name} {what}", kind(), place, k < driven, entries)
+            place = pin.SE3(np.eye(3) if k else before, np.zeros(3))
+            yield ChainJoint(f"{self.name} {what}", kind(), entries, k < driven, place)
 
 
 def _part(k: int) -> Callable[[Array, Array], Array]:
@@ -215,7 +194,11 @@ def _quaternion(_: Array, turned: Array) -> Array:
     return np.asarray(pin.Quaternion(turned).coeffs())
 
 
-def _turn(axis: Array, turned: Array) -> Array:
+def _no_turn(_: Array, turned: Array) -> Array:
+    return np.array([1.0, 0.0])
+
+
+def _turn(axis: Array, _: Array, turned: Array) -> Array:
     """Return cosine and sine of the angle by which a rotation turns about an axis."""
     side = across(axis)[0]
     x, y = side @ turned @ side, np.cross(axis, side) @ turned @ side

@@ -237,11 +237,8 @@ def _passive_rates(pose: Configuration) -> tuple[Array, Array]:
     """Return K*, without dimension, and what idles."""
     mechanism = pose.mechanism
     partition = mechanism.problem.partition
-    constraint = mechanism.kinematics.snapshot(pose.q).constraint_jacobian
-    scaled = partition.scaled(constraint)
-    rates = scaled[:, partition.passive]
-    factors = partition.factorise(rates, partition.size_of(scaled))
-    return rates, factors.right[partition.passive_rank :].T
+    loops = partition.loop_rates(mechanism.kinematics.snapshot(pose.q).constraint_jacobian)
+    return loops.scaled[:, partition.passive], loops.passive.right[partition.passive_rank :].T
 
 
 def leads(one: Configuration, other: Configuration) -> bool:

@@ -24,11 +24,7 @@ from pmjac_pin.studies.singularities.joint_limits import limits_between, within_
 from pmjac_pin.studies.singularities.plane_names import TOOL_AXES, is_of_the_tool, plane_names
 from pmjac_pin.studies.singularities.plane_slice import PlaneSlice
 from pmjac_pin.studies.singularities.sheets import Sheets
-from pmjac_pin.studies.singularities.singular_equations import (
-    Freed,
-    RateBlock,
-    SingularEquations,
-)
+from pmjac_pin.studies.singularities.singular_equations import Freed, RateBlock, SingularEquations
 from pmjac_pin.values.arrays import Array, Mask
 
 _GROWN, _COARSE = 4, 33  # times, and cells along each axis of a grid that finds the window

@@ -73,10 +73,8 @@ class CurveEquations(ABC):
         found = np.zeros((partition.column_scale.size, idle))
         if idle:
             snapshot = self.mechanism.kinematics.snapshot(point.q)
-            scaled = partition.scaled(snapshot.constraint_jacobian)
-            passive = scaled[:, partition.passive]
-            factors = partition.factorise(passive, partition.size_of(scaled))
-            found[partition.passive] = factors.right[partition.passive_rank :].T
+            loops = partition.loop_rates(snapshot.constraint_jacobian)
+            found[partition.passive] = loops.passive.right[partition.passive_rank :].T
         return found
 
     def moved(self, point: SingularPoint, step: Array) -> SingularPoint:

@@ -23,7 +23,7 @@ _OFF = 0.15  # of a step: how far Newton may lead from its end
 _LONGEST_CURVE = 20_000
 _FOOT_STEPS = 8
 _TURNING_ALONE = 1e-6  # of a tangent: what joints have of it at a pose at which u turns alone
-_SHARP = 1e-14  # of the way: where a number passes zero
+_ZERO_TOLD = 1e-14  # of the way: where a number passes zero
 _ON_CURVE = 1e-5  # of the way between two points that follow each other
 
 
@@ -119,7 +119,7 @@ class Tracer:
             return np.nan if point is None else number(point)
 
         try:
-            share: float = brentq(at, 0.0, 1.0, xtol=_SHARP)
+            share: float = brentq(at, 0.0, 1.0, xtol=_ZERO_TOLD)
         except ValueError:
             return None
         point = self.between(first, second, share)

@@ -20,8 +20,7 @@ def limited(coordinates: JointCoordinates) -> Index:
 
 def within_joint_limits(coordinates: JointCoordinates, q: Array) -> Mask:
     """Tell which poses (N, nq) have all joints within their limits, angles less full turns."""
-    inside = _share_with_limits(coordinates, q, q)
-    return np.asarray(inside.all(axis=1))
+    return limits_between(coordinates, q, q)
 
 
 def limits_between(coordinates: JointCoordinates, q: Array, other: Array) -> Mask:
@@ -29,11 +28,6 @@ def limits_between(coordinates: JointCoordinates, q: Array, other: Array) -> Mas
 
     As values do that change by less than half a turn, and never back on the way.
     """
-    return np.asarray(_share_with_limits(coordinates, q, other).all(axis=1))
-
-
-def _share_with_limits(coordinates: JointCoordinates, q: Array, other: Array) -> Mask:
-    """Tell which limited joints (N, k) have a value within limits from one pose to the other."""
     columns = limited(coordinates)
     values = coordinates.values_of(q, columns)
     change = coordinates.values_of(other, columns) - values
@@ -47,4 +41,5 @@ def _share_with_limits(coordinates: JointCoordinates, q: Array, other: Array) ->
     turned = least + np.remainder(high[:, turning] - least, _WHOLE_TURN) - high[:, turning]
     low[:, turning] += turned
     high[:, turning] += turned
-    return np.asarray((high >= lower - _LENIENT) & (low <= upper + _LENIENT))
+    within = (high >= lower - _LENIENT) & (low <= upper + _LENIENT)
+    return np.asarray(within.all(axis=1))

@@ -37,15 +37,14 @@ class SeriesRates:
     Attributes
     ----------
     residual : mapping of exponents to Intervals, shape (p,)
-    loops, tool : mapping of exponents to Intervals, shapes (p, nv) and (rows, nv)
-        [K K*] and the judged rows of the tool.
+    rates : mapping of exponents to Intervals, shape (p + rows, nv)
+        [K K*] above the judged rows of the tool.
     cosine : float
         The least between axes that the rows want to coincide.
     """
 
     residual: Coefficients
-    loops: Coefficients
-    tool: Coefficients
+    rates: Coefficients
     cosine: float
 
 
@@ -103,22 +102,19 @@ class RateSeries:
             return self._motion(link, ways, entries, radii)
 
         poses = Poses(self._tree, self._algebra, motion, range(self._nv))
-        constant = (0,) * len(self._variables)
-        residual = _Collected((self._loops.count,), constant)
-        loops, cosine = _Collected((self._loops.count, self._nv), constant), 1.0
+        columns, rows = ((), []) if self._tool is None else self._tool.rows_of(poses)
+        constant, count, cosine = (0,) * len(self._variables), self._loops.count, 1.0
+        residual = _Collected((count,), constant)
+        rates = _Collected((count + len(rows), self._nv), constant)
         for pair in self._loops.pairs:
             for (where, _), block in zip(pair.blocks, riding(pair, poses), strict=True):
                 residual.put(where, block.rows.value.each(lambda term: term[:, 0]))
-                loops.put((where, list(block.rows.columns)), block.rows.rates)
+                rates.put((where, list(block.rows.columns)), block.rows.rates)
                 if block.cosine is not None:
                     cosine = min(cosine, _least_cosine(block.cosine.value))
-        rows = _Collected((0, self._nv), constant)
-        if self._tool is not None:
-            count, columns, rates = self._tool.rows_of(poses)
-            rows = _Collected((count, self._nv), constant)
-            for row, one in enumerate(rates):
-                rows.put((row, list(columns)), one)
-        return SeriesRates(residual.intervals(), loops.intervals(), rows.intervals(), cosine)
+        for row, one in enumerate(rows, count):
+            rates.put((row, list(columns)), one)
+        return SeriesRates(residual.intervals(), rates.intervals(), cosine)
 
     def _motion(
         self,

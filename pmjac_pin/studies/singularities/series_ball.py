@@ -71,7 +71,7 @@ class SeriesBall:
         self._groups = groups[:, kept[1]]
         self._constant: Exponents = (0,) * partition.actuated.size
         here = self._series.over({}, np.zeros(nv))
-        square = self._square(here.loops[self._constant]).middle
+        square = self._square(here.rates[self._constant]).middle
         self._A = np.asarray(np.linalg.inv(square)) if len(square) else square
         self._here = here
 
@@ -101,7 +101,7 @@ class SeriesBall:
         radii = self._alike(_WIDER * Y + _LEAST_RADIUS * Y.max(initial=0.0))
         for _ in range(_ROUNDS):
             around = self._series.over(ways, self._radii(radii))
-            E = self._contraction(around.loops)
+            E = self._contraction(around.rates)
             reached = OUTWARDS * (Y + OUTWARDS * (E @ radii))
             if (reached <= radii).all():
                 return self._far(ways, radii) if self._holds(around, E, radii) else None
@@ -112,7 +112,7 @@ class SeriesBall:
 
     def _ways(self, radius: float) -> dict[Exponents, Array]:
         """Return how joints move to first order, by each motor, over the cube."""
-        K = self._here.loops[self._constant].middle[self._rows]
+        K = self._here.rates[self._constant].middle[self._rows]
         found: dict[Exponents, Array] = {}
         for k, column in enumerate(self._partition.actuated.tolist()):
             way = np.zeros(self._unit.size)
@@ -144,14 +144,14 @@ class SeriesBall:
         marked = np.where(self._groups > 0.0, radii, 0.0).max(axis=1, initial=0.0)
         return np.asarray((self._groups * marked[:, None]).max(axis=0, initial=0.0))
 
-    def _square(self, loops: Intervals) -> Intervals:
+    def _square(self, rates: Intervals) -> Intervals:
         """Return the square K*, by the units of its unknowns: rad, or lengths."""
         unit = Intervals.exact(self._unit[self._columns])
-        return loops[self._rows][:, self._columns] * unit
+        return rates[self._rows][:, self._columns] * unit
 
-    def _contraction(self, loops: Coefficients) -> Array:
+    def _contraction(self, rates: Coefficients) -> Array:
         """Return E."""
-        squares = {key: self._square(term) for key, term in loops.items()}
+        squares = {key: self._square(term) for key, term in rates.items()}
         return _away_from_identity(self._A, squares, self._constant)
 
     def _holds(self, around: SeriesRates, E: Array, radii: Array) -> bool:
@@ -164,20 +164,13 @@ class SeriesBall:
     def _keeps(self, around: SeriesRates) -> bool:
         """Tell whether as many rows of loops and tool stay independent as at the pose."""
         unit = Intervals.exact(self._unit)
-        both = {
-            key: _loops_above_tool(around.loops, around.tool, key, self._here) * unit
-            for key in {**around.loops, **around.tool}
-        }
-        partition = self._partition
-        middle = _loops_above_tool(
-            self._here.loops, self._here.tool, self._constant, self._here
-        ).middle
+        partition, middle = self._partition, self._here.rates[self._constant].middle
         scale = np.concatenate(
             [partition.row_scale, np.ones(len(middle) - partition.row_scale.size)]
         )
         rank = partition.constraint_rank + partition.tool_rank
         rows, columns = independent_square(middle * self._unit * scale[:, None], rank)
-        own = {key: term[rows][:, columns] for key, term in both.items()}
+        own = {key: (term * unit)[rows][:, columns] for key, term in around.rates.items()}
         A = np.asarray(np.linalg.inv((middle * self._unit)[np.ix_(rows, columns)]))
         E = _away_from_identity(A, own, self._constant)
         weights = np.ones(len(E))
@@ -196,16 +189,3 @@ def _away_from_identity(A: Array, terms: Coefficients, constant: Exponents) -> A
     found = {key: term.after(A) for key, term in terms.items()}
     found[constant] = Intervals.exact(np.eye(len(A))) - found[constant]
     return largest_sizes(found.values())
-
-
-def _loops_above_tool(
-    loops: Coefficients, tool: Coefficients, key: Exponents, here: SeriesRates
-) -> Intervals:
-    """Return coefficients of the loops' rows above those of the tool's."""
-    constant = (0,) * len(key)
-    parts = [
-        of.get(key, Intervals.exact(np.zeros(own[constant].shape)))
-        for of, own in ((loops, here.loops), (tool, here.tool))
-        if constant in own
-    ]
-    return Intervals.join(parts)

@@ -44,7 +44,7 @@ def as_grid(cells: object) -> tuple[int, int]:
     return cells, cells
 
 
-def beside(marked: Mask) -> Mask:
+def next_to(marked: Mask) -> Mask:
     """Tell which cells of a grid (a, b) are beside a marked one."""
     padded = np.pad(marked, 1)
     rows = padded[:-2, 1:-1] | padded[2:, 1:-1]
@@ -76,7 +76,7 @@ class SliceSheet:
 
     def border(self) -> Array:
         """Return q of the closed cells beside others that no path reaches, shape (k, nq)."""
-        return np.asarray(self.cells.q[self.new & beside(self.cells.status == Status.STOPPED)])
+        return np.asarray(self.cells.q[self.new & next_to(self.cells.status == Status.STOPPED)])
 
     def valleys(self, values: Array) -> Array:
         """Return q of cells where something may pass zero between those beside, (k, nq).

@@ -104,7 +104,7 @@ def singularity_locus(
     drawn = chart(plane, start, window)
     asked = _asked(drawn, given)
     sheets = Sheets(drawn.area, grid)
-    for mode in _begin(drawn) if modes is None else modes:
+    for mode in _first_modes(drawn) if modes is None else modes:
         sheets.add(drawn.lifted(mode))
     if not sheets.known:
         raise ArgumentError("no cell of the grid is reached: name a window around the pose")
@@ -121,7 +121,7 @@ def singularity_locus(
     return _locus(drawn, sheets, found, cells)
 
 
-def _begin(drawn: Chart) -> Iterable[Configuration]:
+def _first_modes(drawn: Chart) -> Iterable[Configuration]:
     """Return all assembly modes at the slice's pose; of the tool's plane, that pose alone."""
     if drawn.in_tool_space:
         return [drawn.at]
@@ -168,7 +168,7 @@ def _locus(
     drawn: Chart, sheets: Sheets, found: Sequence[LocusFinding], cells: int
 ) -> SingularityLocus:
     moving = [(finding, curve) for finding in found for curve in finding.moving]
-    told = [_told(drawn, finding, curve.traced) for finding, curve in moving]
+    told = [_told_curve(drawn, finding, curve.traced) for finding, curve in moving]
     alone = [
         _special("isolated point", drawn, one.q, (), finding.kind)
         for finding in found
@@ -230,7 +230,7 @@ def _special(
     return LocusPoint(mark, drawn.in_world(drawn.area.places(q)), drawn.original(q), curves, kind)
 
 
-def _told(drawn: Chart, finding: LocusFinding, curve: Traced) -> LocusCurve:
+def _told_curve(drawn: Chart, finding: LocusFinding, curve: Traced) -> LocusCurve:
     return LocusCurve(
         kind=finding.kind,
         places=drawn.in_world(drawn.area.places(curve.q)),

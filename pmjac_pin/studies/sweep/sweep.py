@@ -175,7 +175,7 @@ def _in_memory(
     arrays: Mapping[str, NDArray[Any]], work: SweepWork, regions: list[Region], hands: Hands
 ) -> None:
     jobs = [(work, region) for region in regions]
-    for region, found in zip(regions, hands.results(_compute, jobs), strict=True):
+    for region, found in zip(regions, hands.results(SweepWork.compute, jobs), strict=True):
         for name, values in found.items():
             arrays[name][region] = values
 
@@ -184,10 +184,6 @@ def _fill(store: Store, work: SweepWork, regions: list[Region], hands: Hands) ->
     jobs = [(store, work, index, regions[index]) for index in store.left().tolist()]
     for _ in hands.results(_compute_and_write, jobs):
         pass
-
-
-def _compute(work: SweepWork, region: Region) -> dict[str, NDArray[Any]]:
-    return work.compute(region)
 
 
 def _compute_and_write(store: Store, work: SweepWork, index: int, region: Region) -> None:

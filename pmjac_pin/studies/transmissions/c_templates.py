@@ -333,7 +333,7 @@ static inline void @name@_@result@(
 """
 
 
-def _product(result: str, entry: str, what: str) -> str:
+def _matrix_product(result: str, entry: str, what: str) -> str:
     side, of = result.split("_")
     given = f"{'joint' if side == 'motor' else 'motor'}_{of}"
     return filled(_PRODUCT, {"result": result, "entry": entry, "given": given, "what": what})
@@ -354,4 +354,4 @@ _WHAT_PRODUCTS_ARE = (
         "Efforts of the joints: ratio, transposed, times those of the motors.",
     ),
 )
-POSES = "".join([_POSES, *(_product(*one) for one in _WHAT_PRODUCTS_ARE), "\n#endif\n"])
+POSES = "".join([_POSES, *(_matrix_product(*one) for one in _WHAT_PRODUCTS_ARE), "\n#endif\n"])

@@ -145,9 +145,8 @@ class NewtonProgram:
         """
         tree, motions = self.rates.recorder.tree, self._motions
         columns = [entry_rates(tree, self._entries, motion) for motion in motions.T]
-        known = {name: self.step[name] for name in _OF_RATES}
         twist = self._twist(*columns) if len(columns) == _PAIR else zeros(0)
-        return {"slopes": np.column_stack(columns), "twist": twist, **known}
+        return {"slopes": np.column_stack(columns), "twist": twist, **self.rates_outputs}
 
     def run(self, outputs: Mapping[str, Numbers], q: Array) -> dict[str, Array]:
         """Return outputs (b, ...) at rows of q, shape (b, nq)."""

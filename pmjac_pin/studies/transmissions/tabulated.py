@@ -16,7 +16,7 @@ from pmjac_pin.values.arrays import Array, Index
 TABLE_SUFFIXES = (".h", ".npz", ".csv")
 
 
-def encoded(arrays: Mapping[str, NDArray[Any]], suffix: str) -> bytes:
+def table_bytes(arrays: Mapping[str, NDArray[Any]], suffix: str) -> bytes:
     """Return the contents of a file, .npz or .csv, of what `TransmissionTable.tabulated` tells."""
     return {".npz": _npz, ".csv": _csv}[suffix](arrays)
 

@@ -204,12 +204,16 @@ class Geared:
         return as_limits(given, len(self.transmission.motors))
 
     def _matrix(self, given: ArrayLike, what: str) -> Array:
-        count = len(self.transmission.motors)
-        values = as_numbers(given, what)
-        return values if values.shape == (count, count) else np.diag(self._vector(given, what))
+        return motor_matrix(given, len(self.transmission.motors), what)
 
     def __repr__(self) -> str:
         return f"Geared({with_names(self.transmission.joints, self.joints)})"
+
+
+def motor_matrix(given: ArrayLike, count: int, what: str) -> Array:
+    """Return a matrix (n, n) over the motors, or one of what each motor has for itself (n,)."""
+    values = as_numbers(given, what)
+    return values if values.shape == (count, count) else np.diag(as_vector(given, count, what))
 
 
 def transmission(mechanism: Mechanism, joints: Iterable[str]) -> Transmission:

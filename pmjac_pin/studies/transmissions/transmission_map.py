@@ -14,10 +14,10 @@ from numpy.typing import ArrayLike, NDArray
 from pmjac_pin.batches.results import Status, Statuses
 from pmjac_pin.errors import ArgumentError
 from pmjac_pin.studies.transmissions.rectangle import Rectangle, largest_block
-from pmjac_pin.studies.transmissions.transmission import Transmission
+from pmjac_pin.studies.transmissions.transmission import Transmission, motor_matrix
 from pmjac_pin.values.arrays import Array, Index, Mask, ReadOnlyArrays
 from pmjac_pin.values.brief import with_names
-from pmjac_pin.values.checks import as_limits, as_numbers, as_vector
+from pmjac_pin.values.checks import as_limits
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -109,9 +109,7 @@ class TransmissionMap(ReadOnlyArrays):
         of_motors : array_like, shape (n,) or (n, n)
             D: of the motors.
         """
-        n = len(self.joints)
-        given = as_numbers(of_motors, "what the motors have")
-        matrix = given if given.shape == (n, n) else np.diag(as_vector(given, n, "of the motors"))
+        matrix = motor_matrix(of_motors, len(self.joints), "what the motors have")
         return np.asarray(self.ratio.swapaxes(-1, -2) @ matrix @ self.ratio)
 
     def efforts_alone(self, motor_limits: ArrayLike) -> Array:

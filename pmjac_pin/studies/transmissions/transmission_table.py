@@ -18,7 +18,7 @@ from pmjac_pin.studies.transmissions.c_header import HeaderParts, c_header
 from pmjac_pin.studies.transmissions.newton_program import NewtonProgram
 from pmjac_pin.studies.transmissions.rectangle import Rectangle
 from pmjac_pin.studies.transmissions.sheet import Sheet
-from pmjac_pin.studies.transmissions.tabulated import TABLE_SUFFIXES, encoded, twist_of
+from pmjac_pin.studies.transmissions.tabulated import TABLE_SUFFIXES, table_bytes, twist_of
 from pmjac_pin.studies.transmissions.transmission import Transmission
 from pmjac_pin.studies.transmissions.transmission_map import TransmissionMap
 from pmjac_pin.values.arrays import Array, ReadOnlyArrays
@@ -177,7 +177,7 @@ class TransmissionTable(ReadOnlyArrays):
             raise OutputError(f"{shown_path(output_path(path))}: a table's file ends in {ends}")
         check_new(path, force)
         header = suffix == ".h"
-        contents = self.c(name).encode() if header else encoded(self.tabulated(), suffix)
+        contents = self.c(name).encode() if header else table_bytes(self.tabulated(), suffix)
         write_files({path: contents}, replace=force)
 
     def tabulated(self) -> dict[str, NDArray[Any]]:

@@ -20,7 +20,7 @@ from pmjac_pin.studies.singularities.joint_limits import limited, within_joint_l
 from pmjac_pin.studies.singularities.locus_finding import LocusFinding
 from pmjac_pin.studies.singularities.plane_curve import PlaneCurve
 from pmjac_pin.studies.singularities.plane_names import TOOL_AXES
-from pmjac_pin.studies.singularities.sheets import Sheets, SliceSheet, as_grid, beside
+from pmjac_pin.studies.singularities.sheets import Sheets, SliceSheet, as_grid, next_to
 from pmjac_pin.studies.workspaces.border_checks import what_is_open
 from pmjac_pin.studies.workspaces.border_pieces import SmoothPiece, border, pieces
 from pmjac_pin.studies.workspaces.limit_equations import LimitEquations
@@ -153,7 +153,7 @@ class _Region:
 
     def beside(self) -> Array:
         """Return the places (k, 2) of cells beside one that is not reached."""
-        return self.drawn.area.places(self.sheet.cells.q[self.reached & beside(~self.reached)])
+        return self.drawn.area.places(self.sheet.cells.q[self.reached & next_to(~self.reached)])
 
     def _connected(self) -> Mask:
         from scipy.ndimage import label  # noqa: PLC0415 - with the first workspace
