@@ -30,6 +30,7 @@ def tapes(recorded):
 def assert_same_programs(mechanism, rng):
     alone = replace(mechanism, blueprint=None, _poses={})
     for one, fresh in zip(tapes(mechanism.recorded), tapes(alone.recorded), strict=True):
+        assert not one.constants.flags.writeable
         inputs = rng.normal(size=(fresh.inputs, 5))
         with np.errstate(all="ignore"):
             np.testing.assert_array_equal(run(one, inputs), run(fresh, inputs))

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from pmjac_pin.algebra.programs import Operand, Operation, Recording, Term
 from pmjac_pin.algebra.tape import Tape
-from pmjac_pin.values.arrays import Array
+from pmjac_pin.values.arrays import Array, read_only
 
 RecordedOutputs = Sequence[Term | float]
 Make = Callable[[Sequence[Term]], RecordedOutputs]
@@ -127,7 +127,7 @@ class _Known:
         constants[slots] = given
         if not np.array_equal(constants[slots], given):  # one constant that was two by chance
             raise _Differs
-        return replace(tape, constants=constants)
+        return replace(tape, constants=read_only(constants))
 
 
 class Recordings:
