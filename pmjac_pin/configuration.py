@@ -95,13 +95,15 @@ class Configuration(LoadedPose, Shown):
         That is on the branch with the problem's ranks, where one is given.
         """
         configuration = object.__new__(cls)
+        configuration.__dict__.update(known)
         configuration.__dict__.update(
-            known,
-            mechanism=mechanism,
-            q=read_only(q),
-            iterations=iterations,
-            residual_norm=gap,
-            _problem=problem,
+            {
+                "mechanism": mechanism,
+                "q": read_only(q),
+                "iterations": iterations,
+                "residual_norm": gap,
+                "_problem": problem,
+            }
         )
         return configuration
 
