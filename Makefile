@@ -4,7 +4,7 @@ BIN := .venv/bin
 # Else each of the many processes that tests start compiles the package anew.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo test slow dist matrix bench screenshots readme docs lint clean
+.PHONY: demo test slow dist matrix bench bench-many screenshots readme docs lint clean
 
 demo: .venv/ready
 	$(BIN)/pmjac demo
@@ -42,6 +42,14 @@ bench: .venv/ready
 	$(BIN)/python benchmarks/bench_homotopy.py
 	$(BIN)/python benchmarks/bench_proof.py
 	$(BIN)/python benchmarks/bench_page.py
+
+# What docs/many_poses.md and docs/sweeps.md speak of.
+bench-many: .venv/ready
+	$(BIN)/python benchmarks/bench_batch.py
+	$(BIN)/python benchmarks/bench_cpp.py
+	$(BIN)/python benchmarks/bench_grid.py
+	$(BIN)/python benchmarks/bench_sweep.py 1e7
+	$(BIN)/python benchmarks/bench_parameters.py
 
 screenshots: .venv/ready
 	$(BIN)/python docs/make_screenshots.py

@@ -10,7 +10,7 @@ import pytest
 import pmjac_pin as pj
 from pmjac_pin.files.urdf import dialects
 
-PATHS = [path for paths, _ in dialects.READERS for path in paths]
+PATHS = [path for paths, _ in dialects.DIALECTS for path in paths]
 
 
 def robot_with(path):
@@ -29,9 +29,9 @@ def entered(monkeypatch):
     found = []
     readers = tuple(
         (paths, lambda robot, said, paths=paths: found.append(paths))
-        for paths, _ in dialects.READERS
+        for paths, _ in dialects.DIALECTS
     )
-    monkeypatch.setattr(dialects, "READERS", readers)
+    monkeypatch.setattr(dialects, "DIALECTS", readers)
     return found
 
 

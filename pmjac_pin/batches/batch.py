@@ -6,7 +6,7 @@ What a program certifies is what the single call says; where it cannot, the sing
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from functools import cached_property, partial
+from functools import cached_property
 from typing import Any, TypeAlias, TypeVar
 
 import numpy as np
@@ -15,12 +15,12 @@ from numpy.typing import ArrayLike
 
 from pmjac_pin.algebra.compiled_programs import CompiledPrograms
 from pmjac_pin.algebra.tape import Tape
-from pmjac_pin.algebra.tape_runner import run, tape_kernel
+from pmjac_pin.algebra.tape_runner import tape_kernel
 from pmjac_pin.batches.closing import Closing
 from pmjac_pin.batches.grid import Grid
-from pmjac_pin.batches.judge import Judge, certain_jacobians
+from pmjac_pin.batches.judge import Judge
 from pmjac_pin.batches.many_rates import ManyRates
-from pmjac_pin.batches.measures import fill_measures, with_extremes
+from pmjac_pin.batches.measures import blank_open, fill_measures
 from pmjac_pin.batches.pieces import Manner, Piece, PieceWork, Progress, gathered
 from pmjac_pin.batches.results import (
     ManyClosed,
@@ -32,7 +32,6 @@ from pmjac_pin.batches.results import (
     shapes_of,
 )
 from pmjac_pin.closing.motor_values import motor_table
-from pmjac_pin.closing.recorded_rates import DOUBTS
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import ArgumentError, quoted
 from pmjac_pin.mechanism import Mechanism
@@ -41,11 +40,11 @@ from pmjac_pin.model.reference_frame import frame_name
 from pmjac_pin.model.twist_frame import FrameName
 from pmjac_pin.model.unit_turns import UnitRows
 from pmjac_pin.rates.many_radii import fill_radii
-from pmjac_pin.values.arrays import Array, Index
+from pmjac_pin.values.arrays import Array, Index, Mask
 from pmjac_pin.values.checks import as_numbers, check_kind, seen_numbers
 
 _WORLD_ALIGNED: FrameName = "LOCAL_WORLD_ALIGNED"
-Rates = TypeVar("Rates", bound=ManyJacobians)
+ManyRatesKind = TypeVar("ManyRatesKind", bound=ManyJacobians)
 #: (piece, its rows of q, its part of each array) ↦ nothing: it fills them.
 RatesWork: TypeAlias = Callable[..., object]
 
@@ -324,20 +323,23 @@ class Batch:
         return work
 
     def _measures_work(self) -> RatesWork:
-        by, partition = self._by(self._recorded.measures), self._recorded.rates.partition
-        n, tolerance = len(self.mechanism.actuated), self.mechanism.problem.tolerance
+        rates, partition = self._rates(self._recorded.measures), self._recorded.rates.partition
 
         def work(piece: Piece, q: Array, *found: Any) -> None:
-            J_eq, status, *_ = found
-            told, extremes = with_extremes(by, q.T, DOUBTS + 6 * n + 15, partition)
-            certain = certain_jacobians(partition, tolerance, told)
-            J_eq[:] = told[DOUBTS : DOUBTS + 6 * n].reshape(6, n, -1).transpose(2, 0, 1)
+            def fill(part: slice, J_eq: Array) -> tuple[Array, Mask]:
+                return rates.fill(q[part], J_eq)
+
+            J_eq, status, linear, angular, *_ = found
+            sizes, certain = fill_measures(fill, partition, found)
             self._judge.settle(piece, q, certain, _WORLD_ALIGNED, (J_eq, status))
-            fill_measures(told[DOUBTS + 6 * n :], extremes, partition, found)
+            fill_radii(J_eq, sizes, linear, angular)
+            blank_open(found)
 
         return work
 
-    def _gathered(self, kind: type[Rates], work: RatesWork, how: Manner[Rates]) -> Rates:
+    def _gathered(
+        self, kind: type[ManyRatesKind], work: RatesWork, how: Manner[ManyRatesKind]
+    ) -> ManyRatesKind:
         """Return what is found at the poses that are given."""
         (poses,) = how.given
 
@@ -356,10 +358,6 @@ class Batch:
             known = ManyRates(tape, partition, tolerance, compiled)
             self._known_rates[id(tape)] = known
         return known
-
-    def _by(self, tape: Tape) -> Callable[[Array], Array]:
-        """Return what computes a tape's outputs, (outputs, N), of inputs (inputs, N)."""
-        return partial(run, tape) if self._compiled is None else self._compiled.of(tape).run
 
     def _start(self, guess: Any, count: int) -> tuple[Array, bool]:
         """Return where the paths begin, and whether it is known that the loops are closed there."""

@@ -9,14 +9,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from functools import partial
 
 import numpy as np
 
 from pmjac_pin.algebra.tape import Tape
 from pmjac_pin.algebra.tape_runner import run
 from pmjac_pin.batches.judge import certain_jacobians
-from pmjac_pin.batches.measures import fill_measures, with_extremes
+from pmjac_pin.batches.measures import fill_measures
 from pmjac_pin.batches.results import (
     ManyClosed,
     ManyJacobians,
@@ -36,6 +35,7 @@ from pmjac_pin.closing.paths_in_lanes import PathsInLanes
 from pmjac_pin.closing.recorded_rates import DOUBTS
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.limits import beyond_limits
+from pmjac_pin.rates.many_radii import fill_radii
 from pmjac_pin.values.arrays import Array, Index, Mask
 
 _BESIDE = 0.02  # rad or lengths: where motors are led to see that they move
@@ -100,7 +100,7 @@ class DesignBatch:
     homes: DesignHomes
     which: Index
 
-    def part(self, which: Index) -> DesignBatch:
+    def part(self, which: Index | slice) -> DesignBatch:
         """Return that of some of the poses."""
         return replace(self, which=self.which[which])
 
@@ -134,13 +134,19 @@ class DesignBatch:
 
     def measures(self, q: Array) -> ManyMeasures:
         """Return what `Batch.measures` does at closed poses (N, nq)."""
-        n, partition = self._motors.size, replace(self._problem.partition, size=0.0)
-        by = partial(run, self._programs.measures)
-        told, extremes = with_extremes(by, self._inputs(q), DOUBTS + 6 * n + 15, partition)
+        n, inputs = self._motors.size, self._inputs(q)
         found = empty_arrays(shapes_of(ManyMeasures, len(q), n))
-        J_eq, found["status"][:] = self._judged(told)
-        found["J_eq"][:] = J_eq.transpose(2, 0, 1)
-        fill_measures(told[DOUBTS + 6 * n :], extremes, partition, list(found.values()))
+
+        def fill(part: slice, J_eq: Array) -> tuple[Array, Mask]:
+            told = run(self._programs.measures, inputs[:, part])
+            entries, status = self.part(part)._judged(told)
+            J_eq[:] = entries.transpose(2, 0, 1)
+            return told[DOUBTS + 6 * n :], status == Status.CLOSED
+
+        partition = replace(self._problem.partition, size=0.0)
+        sizes, certain = fill_measures(fill, partition, list(found.values()))
+        found["status"][:] = np.where(certain, Status.CLOSED, Status.NOT_DONE)
+        fill_radii(found["J_eq"], sizes, found["velocity_radii"], found["angular_radii"])
         return ManyMeasures(**found)
 
     def moves(self) -> Mask:

@@ -150,12 +150,12 @@ class _Filling:
                 helper.start()
             for _ in self._pieces():
                 told.on()
-            _wait(helpers)
+            _wait_for(helpers)
             told.on()
         except BaseException:
             self._waiting.clear()
             self.given_up = True
-            _wait(helpers)  # each to its next step: nothing is written any more
+            _wait_for(helpers)  # each to its next step: nothing is written any more
             raise
         for at in sorted(self._failed)[:1]:
             raise self._failed[at]
@@ -208,7 +208,7 @@ class _Told:
             self._progress(self._done, self._count)
 
 
-def _wait(threads: Sequence[Thread]) -> None:
+def _wait_for(threads: Sequence[Thread]) -> None:
     for thread in threads:
         while thread.is_alive():
             thread.join(_HEARING)

@@ -104,10 +104,7 @@ def transmission_command(
 ) -> Output:
     """Tabulate how motors and the joints that they drive by rods are geared; write it as C."""
     paths = output or []
-    for path in paths:
-        check_output(path, (*TABLE_SUFFIXES, _PLUGIN, *_FIGURES), force)
-        if Path(path).suffix in _FIGURES:
-            check_figure_file(path)
+    _check_outputs(paths, force)
     header = _header_of_plugins(paths)
     table = where.table(choice.load(mechanism))
     given = [1.0] * len(table.motors) if limits is None else numbers_given("--limits", limits)
@@ -121,6 +118,13 @@ def transmission_command(
         else:
             table.save(path, name=name, force=force)
     return [*blocks, *map(Verbatim, paths)]
+
+
+def _check_outputs(paths: list[str], force: bool) -> None:
+    for path in paths:
+        check_output(path, (*TABLE_SUFFIXES, _PLUGIN, *_FIGURES), force)
+        if Path(path).suffix in _FIGURES:
+            check_figure_file(path)
 
 
 def _header_of_plugins(paths: list[str]) -> str:

@@ -259,7 +259,7 @@ class LoopSystem:
     ) -> tuple[Array, Array]:
         residual, jacobian = np.empty(self._shape[0]), np.empty(self._shape)
         for closure, own, body in zip(self._closures, scratch.each, bodies):  # noqa: B905 - as long
-            rates = _computed(closure.constraint, model, data, own)
+            rates = _anchor_rates(closure.constraint, model, data, own)
             turn = None if body is None else own.oMc1.rotation
             if body:
                 turn = data.oMi[body].rotation.T.dot(turn)
@@ -293,7 +293,7 @@ class LoopSystem:
         start = self.slices[loop].start
         closure = next(c for c in self._closures if c.blocks[0][0].start == start)
         loop_data = closure.constraint.createData()
-        pose = relative(loop_data, _computed(closure.constraint, model, data, loop_data))
+        pose = relative(loop_data, _anchor_rates(closure.constraint, model, data, loop_data))
         to_second = loop_data.oMc1.rotation.T
         linear, turning = to_second @ twists[:3], to_second @ twists[3:]
         seen = Relative(pose.gap, linear, pose.rotation, turning)
@@ -310,7 +310,7 @@ class LoopSystem:
                 jacobian[rows] -= pin.skew(residual[rows]) @ turning
 
 
-def _computed(constraint: Any, model: pin.Model, data: pin.Data, scratch: Any) -> Array:
+def _anchor_rates(constraint: Any, model: pin.Model, data: pin.Data, scratch: Any) -> Array:
     """Return how one anchor moves seen from the other, (3, nv) or (6, nv), as `data` has it.
 
     `scratch` then has where it is: without `calc` the Jacobian is silently the one of another q.

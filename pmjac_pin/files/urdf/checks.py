@@ -39,7 +39,7 @@ _TIE_ELEMENTS = (
     *("drake:ball_constraint", "drake:weld_constraint", "drake:coupler_constraint"),
 )
 #: The numbers of the elements that Pinocchio reads, each with what `numbers` asks of it.
-_NUMBERS: Mapping[str, Mapping[str, Mapping[str, Any]]] = {
+_ASKED_OF: Mapping[str, Mapping[str, Mapping[str, Any]]] = {
     "origin": {key: {"count": 3, "default": "0 0 0"} for key in ("xyz", "rpy")},
     "mass": {"value": {"least": 0.0}},
     "inertia": {key: {} for key in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")},
@@ -130,10 +130,10 @@ def checked_origin(where: str, parent: Element, tag: str = "origin") -> Element:
     where = f"{where}, <{tag}>"
     if origin is not None and origin.get("quat_xyzw") is not None:
         raise ModelFileError(f"{where}: `quat_xyzw` is not read; give `rpy`")
-    return _copied(where, origin, "origin", _NUMBERS["origin"])
+    return _with_numbers(where, origin, "origin", _ASKED_OF["origin"])
 
 
-def _copied(
+def _with_numbers(
     where: str, element: Element | None, tag: str, wanted: Mapping[str, Mapping[str, Any]]
 ) -> Element:
     """Return an element with its numbers alone, read and written anew."""
@@ -157,7 +157,7 @@ def _checked_inertial(where: str, inertial: Element) -> Element:
     for tag in ("mass", "inertia"):
         if (element := only(where, inertial, tag)) is None:
             raise ModelFileError(f"{where} has no <{tag}>; give both <mass> and <inertia>")
-        copy.append(_copied(f"{where}, <{tag}>", element, tag, _NUMBERS[tag]))
+        copy.append(_with_numbers(f"{where}, <{tag}>", element, tag, _ASKED_OF[tag]))
     return copy
 
 
@@ -213,8 +213,10 @@ def _checked_limit(where: str, joint: Element, kind: str) -> list[Element]:
             return []
         example = '<limit lower="-1" upper="1" effort="1" velocity="1"/>'
         raise ModelFileError(f"{where} is {kind} and has no <limit>; write {example}")
-    where, known = f"{where}, <limit>", _NUMBERS["limit"]
-    copy = _copied(where, element, "limit", known if kind == "continuous" else {**known, **_RANGE})
+    where, known = f"{where}, <limit>", _ASKED_OF["limit"]
+    copy = _with_numbers(
+        where, element, "limit", known if kind == "continuous" else {**known, **_RANGE}
+    )
     lower, upper = (float(copy.get(key, "0")) for key in _RANGE)
     if lower > upper:
         got = f"`lower` is {lower:g} and `upper` is {upper:g}"
@@ -225,4 +227,4 @@ def _checked_limit(where: str, joint: Element, kind: str) -> list[Element]:
 def _checked_dynamics(where: str, joint: Element) -> list[Element]:
     if (element := only(where, joint, "dynamics")) is None:
         return []
-    return [_copied(f"{where}, <dynamics>", element, "dynamics", _NUMBERS["dynamics"])]
+    return [_with_numbers(f"{where}, <dynamics>", element, "dynamics", _ASKED_OF["dynamics"])]

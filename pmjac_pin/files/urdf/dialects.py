@@ -67,7 +67,7 @@ def _couplings(robot: Element, said: Said) -> None:
     said.couplings += take_couplings(robot, robot.findall("joint"))
 
 
-def _balls(robot: Element, said: Said) -> None:
+def _ball_joints(robot: Element, said: Said) -> None:
     said.balls += floating_balls(robot.findall("joint"))
 
 
@@ -85,12 +85,12 @@ def _doubts(robot: Element, said: Said) -> None:
 
 #: What asks for a reader, by the paths to it: each is entered in this order, where one leads
 #: somewhere. What it takes out of the robot, or puts into it, those behind it see.
-READERS: tuple[tuple[tuple[str, ...], Reader], ...] = (
+DIALECTS: tuple[tuple[tuple[str, ...], Reader], ...] = (
     ((PLUGINS,), lambda robot, _: take_plugin_mimics(robot)),
     ((CONTROL_JOINTS,), lambda robot, _: take_control_mimics(robot)),
     (("joint/mimic",), _mimics),
     (("coupling",), _couplings),
-    (tuple(f"joint[@type='{kind}']" for kind in BALL_TYPES), _balls),
+    (tuple(f"joint[@type='{kind}']" for kind in BALL_TYPES), _ball_joints),
     (("joint//dynamics", "gazebo/springStiffness"), _springs),
     (("joint/dynamics", ".//{*}rotor_inertia", ".//{*}gear_ratio"), _rotors),
     ((CONTROL_JOINTS,), _doubts),
@@ -106,7 +106,7 @@ def take_said(robot: Element) -> Said:
         The message names the element at fault.
     """
     said = Said()
-    for paths, read in READERS:
+    for paths, read in DIALECTS:
         if any(robot.find(path) is not None for path in paths):
             read(robot, said)
     return said

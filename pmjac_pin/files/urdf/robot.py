@@ -183,7 +183,7 @@ class Urdf:
             places = [
                 (place, delta)
                 for (move, delta), element in zip(steps, self._targets(robot, steps), strict=True)
-                for place in _moved_places(element, move)
+                for place in _moved_numbers(element, move)
             ]
             for place, delta in places:
                 place.add(delta)
@@ -247,7 +247,7 @@ def _what_moves_name(robot: Element) -> dict[tuple[str, str], list[Element]]:
     return named
 
 
-class _Place(NamedTuple):
+class _MovedNumbers(NamedTuple):
     """Numbers that a move adds to."""
 
     where: str
@@ -272,7 +272,7 @@ class _Place(NamedTuple):
             raise ModelFileError(f"{self.where}: {got}; it must be positive")
 
 
-def _moved_places(element: Element, move: Move) -> Iterator[_Place]:
+def _moved_numbers(element: Element, move: Move) -> Iterator[_MovedNumbers]:
     """Yield the numbers of an element that a move adds to."""
     where = label(element)
     for attribute, coefficients in (("xyz", move.xyz), ("rpy", move.rpy)):
@@ -280,10 +280,10 @@ def _moved_places(element: Element, move: Move) -> Iterator[_Place]:
             origin = only(where, element, "origin")
             if origin is None:
                 origin = SubElement(element, "origin")
-            yield _Place(f"{where}, <origin>", origin, attribute, coefficients)
+            yield _MovedNumbers(f"{where}, <origin>", origin, attribute, coefficients)
     if (shape := _resized_shape(element, move)) is not None:
         for attribute, sizes in size_coefficients(move).items():
-            yield _Place(f"{where}, <{shape.tag}>", shape, attribute, sizes)
+            yield _MovedNumbers(f"{where}, <{shape.tag}>", shape, attribute, sizes)
 
 
 def size_coefficients(move: Move) -> dict[str, tuple[float, ...]]:

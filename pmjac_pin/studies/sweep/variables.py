@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from types import MappingProxyType
@@ -17,6 +17,7 @@ from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.coordinates import entry_names
 from pmjac_pin.values.arrays import Array, Index, Mask
 
+_MEASURED = frozenset(ManyMeasures.__dataclass_fields__) - set(ManyJacobians.__dataclass_fields__)
 _ROWS = ("vx", "vy", "vz", "wx", "wy", "wz")
 
 
@@ -56,10 +57,12 @@ class SeenPoses:
     ----------
     many : ClosedPoses
     poses : ManyClosed
+    names : collection of str
+        Of the variables that are asked for.
     """
 
-    def __init__(self, many: ClosedPoses, poses: ManyClosed) -> None:
-        self._many, self.poses = many, poses
+    def __init__(self, many: ClosedPoses, poses: ManyClosed, names: Collection[str]) -> None:
+        self._many, self.poses, self._names = many, poses, names
 
     @cached_property
     def _closed(self) -> Index:
@@ -67,7 +70,9 @@ class SeenPoses:
 
     @cached_property
     def jacobians(self) -> ManyJacobians:
-        """J_eq at the closed poses."""
+        """J_eq at the closed poses: with the measures, where some of these are asked for."""
+        if not _MEASURED.isdisjoint(self._names):
+            return self.measures
         return self._many.part(self._closed).jacobian(self.poses.q[self._closed])
 
     @cached_property
@@ -84,8 +89,6 @@ class SeenPoses:
     def known(self) -> Mask:
         """Tell of which poses all is known that was asked for until now."""
         found: Mask = self.status() != Status.NOT_DONE
-        if "measures" in vars(self):
-            found[self._closed] &= self.measures.status != Status.NOT_DONE
         return found
 
     def spread(self, values: Array) -> Array:

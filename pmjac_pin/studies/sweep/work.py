@@ -72,7 +72,7 @@ class SweepWork:
                 poses = many.close(
                     targets, self.guess, enforce_limits=self.enforce_limits, threads=1
                 )
-                self._put(found, which, SeenPoses(AlikePoses(many), poses))
+                self._put(found, which, SeenPoses(AlikePoses(many), poses, self.measures))
         return {name: array.reshape(*shape, *array.shape[1:]) for name, array in found.items()}
 
     def _by_designs(self, values: Mapping[str, Array], found: dict[str, NDArray[Any]]) -> Index:
@@ -90,7 +90,8 @@ class SweepWork:
             which = every[start : start + PIECE]
             many = designs.at(*self._designs(values, which))
             targets = self._targets(mechanism, many.at_rest, values, which)
-            seen = SeenPoses(many, many.close(targets, enforced(self.enforce_limits)))
+            poses = many.close(targets, enforced(self.enforce_limits))
+            seen = SeenPoses(many, poses, self.measures)
             self._put(found, which, seen)
             left.append(which[~seen.known()])
             for name in self.measures:
