@@ -51,7 +51,7 @@ def close(
     its values at three poses and bounds on its derivatives from the links' lengths: what
     comes closer to singular than 1e-6 ends the path, and only the target itself may be
     singular. `docs/closing_loops.md` says what this rests on: with joints that are not known
-    (helical, mimic, composite), the three poses alone. With more motors than freedom, as many
+    (composite, universal), the three poses alone. With more motors than freedom, as many
     as may move at will walk straight, and the values of the others must fit at the end; an
     error says first how the loops tie them.
 

@@ -152,7 +152,7 @@ def test_the_other_mode_by_its_guess():
     np.testing.assert_allclose(configuration.passive, phi, atol=1e-12)
 
 
-def test_an_endless_joint_goes_the_shorter_way():
+def endless_four_bar():
     joints = [
         ("theta1", "continuous", "ground", "crank", (0, 0, 0), (0, 0, 1)),
         ("phi2", "continuous", "crank", "coupler", (1.0, 0, 0), (0, 0, 1)),
@@ -161,7 +161,11 @@ def test_an_endless_joint_goes_the_shorter_way():
         ("re", "fixed", "rocker", "C2", (3.5, 0, 0)),
     ]
     home = {"theta1": 3.0, "phi1": 2.0, "phi2": -2.0}
-    mechanism = mechanisms.build(joints, [("C1", "C2")], ["theta1"], "coupler", home)
+    return mechanisms.build(joints, [("C1", "C2")], ["theta1"], "coupler", home)
+
+
+def test_an_endless_joint_goes_the_shorter_way():
+    mechanism = endless_four_bar()
     assert (mechanism.nq, mechanism.nv) == (6, 3)
     start = mechanism.close([3.0])
     beyond = mechanism.close([3.3], guess=start)
@@ -169,6 +173,19 @@ def test_an_endless_joint_goes_the_shorter_way():
     assert beyond.iterations <= 16
     around = mechanism.close([3.3 + 4 * np.pi], guess=beyond)
     np.testing.assert_allclose(around.q, beyond.q, atol=1e-12)
+
+
+@pytest.mark.parametrize("turned", [1e4, 1e6])
+def test_after_many_turns_a_motor_may_stay_where_it_is(turned, rng):
+    """Of such values differences have few digits, and what these leave over is no way to go."""
+    mechanism = endless_four_bar()
+    for value in rng.uniform(-turned, turned, 30):
+        pose = mechanism.close([value])
+        np.testing.assert_allclose(np.exp(1j * pose.actuated), np.exp(1j * value), atol=1e-14)
+        again = mechanism.close([value], guess=pose)
+        np.testing.assert_allclose(again.q, pose.q, atol=1e-12)
+        found = pj.batch(mechanism).close([[value]], guess=pose)
+        assert found.status[0] == pj.Status.CLOSED
 
 
 @pytest.mark.parametrize(

@@ -101,3 +101,20 @@ def test_where_something_is_raised_what_is_not_done_says_so(rng):
     assert (found.status[PIECE:] == pj.Status.NOT_DONE).all()
     assert np.isnan(found.J_eq[PIECE:]).all()
     assert (found.status[:PIECE] == pj.Status.CLOSED).all()
+
+
+def test_what_is_being_filled_is_no_other_calls(rng):
+    """Two calls at once would leave poses of both, all of them CLOSED."""
+    many = pj.batch(loaded("five_bar"))
+    first, then = (targets(many.mechanism, 2 * PIECE, rng) for _ in range(2))
+    poses, expected = many.close(then), many.close(first)
+    refused = []
+
+    def meanwhile(done, count):
+        with pytest.raises(pj.ArgumentError, match="is being filled by another call"):
+            many.close(then, out=poses)
+        refused.append(done)
+
+    equal(many.close(first, out=poses, threads=1, progress=meanwhile), expected)
+    assert refused
+    equal(many.close(then, out=poses), many.close(then))

@@ -483,6 +483,17 @@ class TestFromPinocchio:
         assert loop.length == 2.0
 
 
+def test_a_joint_that_mimics_another_is_geared_instead():
+    """Pinocchio's anchors have other Jacobians through it, or none."""
+    model = pin.Model()
+    crank = model.addJoint(0, pin.JointModelRZ(), pin.SE3.Identity(), "crank")
+    led = pin.JointModelMimic(model.joints[crank], 2.0, 0.1)
+    model.addJoint(crank, led, pin.SE3.Identity(), "led")
+    advice = r"joint 'led' .* JointLoop\(joints=\('crank', 'led'\)"
+    with pytest.raises(pj.ArgumentError, match=advice):
+        pj.Mechanism.from_pinocchio(model, [], ["crank"])
+
+
 def test_what_is_built_on_cannot_be_written_to(three_rps):
     coordinates, partition = three_rps.coordinates, three_rps.problem.partition
     shown = {name: getattr(coordinates, name) for name in vars(coordinates) if name[0] != "_"}

@@ -198,6 +198,12 @@ def test_what_does_not_fit_is_refused(tsid, rng):
         equations.of_efforts(v)
     with pytest.raises(pj.ArgumentError, match="on 3 accelerations expected, got one on 5"):
         equations.of_accelerations(equations.closure)
+    with pytest.raises(pj.ArgumentError, match="from lower to upper"):
+        equations.effort_bounds([1.0], [-1.0])
+    between = tsid.ConstraintInequality("between", np.eye(3), -np.ones(3), np.ones(3))
+    for no_equality in (between, None):  # TSID gives the lower ends as an inequality's `vector`
+        with pytest.raises(pj.ArgumentError, match="a ConstraintEquality expected"):
+            equations.of_accelerations(no_equality)
     with pytest.raises(pj.NoInertiaError, match="bodies without one are phi1, theta1"):
         equations_at(loaded("four_bar"), q, v)
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from pmjac_pin.adapters import importing
-from pmjac_pin.errors import ArgumentError
+from pmjac_pin.errors import ArgumentError, quoted
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.inertias import massless
 from pmjac_pin.rates.dynamics import check_inertia_of_tree
@@ -51,6 +51,8 @@ class EquationsOfMotion(ReadOnlyArrays):
 
     def of_accelerations(self, task: Any) -> Any:
         """Return a ConstraintEquality on v̇, as TSID's tasks compute them, as one on y."""
+        if not getattr(task, "isEquality", False):  # `vector` of an inequality: its lower ends
+            raise ArgumentError(f"a ConstraintEquality expected, got a {type(task).__name__}")
         if task.cols != (nv := self.closure.cols - self.closure.rows):
             raise ArgumentError(f"a task on {nv} accelerations expected, got one on {task.cols}")
         matrix = np.reshape(task.matrix, (task.rows, nv))  # one row comes as a vector
@@ -65,6 +67,8 @@ class EquationsOfMotion(ReadOnlyArrays):
     def effort_bounds(self, lower: ArrayLike, upper: ArrayLike) -> Any:
         """Return the ConstraintInequality on y that they stay between these, each (n,)."""
         given = [as_vector(b, self.effort_bias.size, "effort bounds") for b in (lower, upper)]
+        if (given[0] > given[1]).any():
+            raise ArgumentError(f"effort bounds from lower to upper expected, got {quoted(given)}")
         ends = [bound - self.effort_bias for bound in given]
         return tsid.ConstraintInequality("effort bounds", self.effort_map, *ends)
 

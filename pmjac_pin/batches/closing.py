@@ -131,11 +131,7 @@ class Closing:
         return paths.settled
 
     def _displacement(self, start: Array, values: Array) -> Array:
-        """Return how far the motors go, which turn endlessly the shorter way."""
+        """Return how far the motors go."""
         coordinates, motors = self.mechanism.coordinates, self.mechanism.problem.partition.actuated
         at_rest = coordinates.values_of(start if start.strides[0] else start[:1], motors)
-        displacement: Array = values - at_rest
-        if (wraps := coordinates.wraps[motors]).any():
-            turns = np.round(displacement / (2.0 * np.pi)) * wraps
-            displacement -= 2.0 * np.pi * turns
-        return displacement
+        return coordinates.shorter_way(at_rest, values, motors)

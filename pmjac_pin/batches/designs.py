@@ -203,9 +203,8 @@ class DesignBatch:
     def _paths(self, values: Array) -> Paths:
         """Walk from home to motor values; what is not settled is not known."""
         coordinates, start = self.of.mechanism.coordinates, self._start
-        displacement = values - coordinates.values_of(start, self._motors)
-        turns = np.round(displacement / (2.0 * np.pi)) * coordinates.wraps[self._motors]
-        displacement -= 2.0 * np.pi * turns
+        at_rest = coordinates.values_of(start, self._motors)
+        displacement = coordinates.shorter_way(at_rest, values, self._motors)
         designs = self.homes.designs[self.which]
         paths = self._walker().walk(start, displacement, values, lambda: None, design=designs)
         far = np.linalg.norm(displacement / self._strokes, axis=1)

@@ -1,7 +1,8 @@
 """Filled again: results whose arrays a later call fills, as NumPy fills its `out`.
 
 Arrays of results are read-only to whoever has them. What calls have returned is known here with
-the memory behind them, for as long as it lives; copies of it, and what is made by hand, are not.
+the memory behind them, for as long as it lives; copies of it, and what is made by hand, are not,
+and neither is what is being filled: two calls at once would mix their numbers.
 """
 
 from __future__ import annotations
@@ -30,7 +31,9 @@ def memory_of(
     shapes: Mapping[str, tuple[int, ...]],
     given: Sequence[Array],
 ) -> dict[str, NDArray[Any]]:
-    """Return the arrays of a result that is to be filled again, or say why it cannot be.
+    """Take the arrays of a result that is to be filled again, or say why they cannot be.
+
+    They are nobody else's until `note_memory` is told that they are filled.
 
     Parameters
     ----------
@@ -49,10 +52,7 @@ def memory_of(
     if type(out) is not kind:
         raise ArgumentError(f"`out` is a {kind.__name__} to be filled again, got {quoted(out)}")
     if (arrays := _MEMORY.get(out)) is None:
-        raise ArgumentError(
-            f"`out` is a {kind.__name__} as a call has returned it; the arrays of this one, which "
-            "was made by hand, copied or unpickled, stay as they are"
-        )
+        raise _not_to_be_filled(kind)
     for name, shape in shapes.items():
         if (found := arrays[name].shape) != shape:
             raise ArgumentError(f"`out` with a {name} of shape {shape} expected, got {found}")
@@ -62,4 +62,13 @@ def memory_of(
                 "`out` lies where what is given lies, which would be written over while it is "
                 "read; give a copy of the one, or another `out`"
             )
+    if _MEMORY.pop(out, None) is None:  # another thread was sooner
+        raise _not_to_be_filled(kind)
     return arrays
+
+
+def _not_to_be_filled(kind: type[ReadOnlyArrays]) -> ArgumentError:
+    return ArgumentError(
+        f"`out` is a {kind.__name__} as a call has returned it; the arrays of this one, which was "
+        "made by hand, copied or unpickled, or is being filled by another call, stay as they are"
+    )

@@ -114,7 +114,6 @@ def gathered(
     if out is not None:
         vars(out).update(vars(result))
         result = out
-    note_memory(result, found)
     try:
         filling.fill(threads, how.progress)
     except BaseException as stopped:
@@ -122,6 +121,8 @@ def gathered(
         if isinstance(stopped, KeyboardInterrupt):
             raise interrupted(told, result) from None
         raise
+    finally:
+        note_memory(result, found)
     return result
 
 

@@ -128,9 +128,19 @@ class Kinematics:
 
     def mass_matrix(self, q: Array) -> Array:
         """Return that of the cut tree, shape (nv, nv), armatures included."""
-        upper = pin.crba(self.model, self._thread_scratch().data, q) * _upper_half(self.model.nv)
+        if is_depth_first(self.model):
+            masses = pin.crba(self.model, self._thread_scratch().data, q)
+        else:  # of these `crba` gives other numbers, without a word
+            masses = self._masses_by_columns(q)
+        upper = masses * _upper_half(self.model.nv)
         whole: Array = upper + upper.T
         return whole
+
+    def _masses_by_columns(self, q: Array) -> Array:
+        """Return the mass matrix by what each joint's acceleration asks for."""
+        still, one_by_one = np.zeros(self.model.nv), np.eye(self.model.nv)
+        at_rest = self.efforts(q, still, still)
+        return np.stack([self.efforts(q, still, a) - at_rest for a in one_by_one], axis=1)
 
     def efforts(self, q: Array, v: Array, a: Array) -> Array:
         """Return the efforts (nv,) that move the cut tree so, gravity included."""
@@ -161,6 +171,21 @@ class Kinematics:
             scratch.data = self.model.createData()
             scratch.loops = self.loops.create_data()
         return scratch
+
+
+def is_depth_first(model: pin.Model) -> bool:
+    """Tell whether each joint's subtree follows it at once, as in what Pinocchio reads itself.
+
+    In a model that is put together joint by joint others may stand between.
+    """
+    way = [0]
+    for joint, parent in enumerate(list(model.parents)[1:], start=1):
+        while way and way[-1] != parent:
+            way.pop()
+        if not way:
+            return False
+        way.append(joint)
+    return True
 
 
 @cache

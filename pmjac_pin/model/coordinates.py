@@ -168,18 +168,27 @@ class JointCoordinates:
             values[..., wraps] = np.arctan2(q[..., entries[wraps] + 1], values[..., wraps])
         return values
 
+    def shorter_way(self, here: Array, there: Array, columns: Index) -> Array:
+        """Return how far it is from values of these columns to others, (..., n).
+
+        What turns endlessly goes the shorter way.
+        """
+        way: Array = there - here
+        if (wraps := self.wraps[columns]).any():
+            ends, whole = there[..., wraps], 2.0 * np.pi
+            # After many turns a difference has lost the digits that `with_values` still has.
+            near = np.arctan2(np.sin(ends), np.cos(ends)) - here[..., wraps]
+            near -= whole * np.round(near / whole)
+            way[..., wraps] = np.where(np.abs(way[..., wraps]) <= np.pi, way[..., wraps], near)
+        return way
+
     def motion_to(self, q: Array, columns: Index, values: Array) -> Array:
         """Return the rates of these columns that take q to these values in one unit of time.
 
         What turns endlessly goes the shorter way; a curved joint goes along a constant twist.
         """
-        motion: Array = values - self.values_of(q, columns)
-        if self._straight:
-            return motion
-        wraps, curved = self.wraps[columns], self.curved[columns]
-        if wraps.any():
-            motion[wraps] -= 2.0 * np.pi * np.round(motion[wraps] / (2.0 * np.pi))
-        if curved.any():
+        motion = self.shorter_way(self.values_of(q, columns), values, columns)
+        if (curved := self.curved[columns]).any():
             there = self.with_values(q, columns, values)
             motion[curved] = pin.difference(self._model, q, there)[columns[curved]]
         return motion

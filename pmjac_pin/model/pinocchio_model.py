@@ -54,6 +54,7 @@ def own_model(
     if not isinstance(given, pin.Model):
         raise ArgumentError(f"model must be a pinocchio.Model, got {type(model).__name__}")
     own = given.copy()
+    _refuse_mimics(own)
     _refuse_what_is_not_finite(own)
     try:
         spec = MechanismSpec(
@@ -71,6 +72,17 @@ def own_model(
         return own, decode_spec(encode_spec(spec))  # checks the types, as in a model file
     except (TypeError, ValueError, msgspec.MsgspecError) as error:
         raise ArgumentError(str(error)) from None
+
+
+def _refuse_mimics(model: pin.Model) -> None:
+    """Refuse joints that follow others: through them Pinocchio's constraints have no Jacobian."""
+    for joint, leader in zip(model.mimicking_joints, model.mimicked_joints, strict=True):
+        led, leads = model.names[joint], model.names[leader]
+        raise ArgumentError(
+            f"joint {quoted(led)} is one of Pinocchio's that mimic another; make it a joint of its "
+            f"own, and gear it by a loop: JointLoop(joints=({leads!r}, {led!r}), ratio=..., "
+            "offset=...)"
+        )
 
 
 def _refuse_what_is_not_finite(model: pin.Model) -> None:
