@@ -15,6 +15,7 @@ from random_machines import Tree, at
 import pmjac_pin as pj
 from pmjac_pin.closing.generic_ranks import ranked
 from pmjac_pin.closing.nearby_poses import FARTHEST
+from pmjac_pin.studies.modes.legs import find_legs
 
 
 def taut_four_bar(motors, **options):
@@ -319,3 +320,16 @@ def test_ranks_are_found_when_they_are_asked_for_and_are_one_for_all_threads(mon
     mechanism.home.jacobian()
     assert mechanism.mobility == 1
     assert len(found) == count
+
+
+def test_legs_are_the_same_where_ranks_are_not_known_yet(rng):
+    """Ranks are found with the scratch data that legs are read off."""
+    known = pj.load("stewart_gough")
+    change = 0.2 * rng.normal(size=known.nv)
+    q = pin.integrate(known.model, known.home.q, change)
+    own, other = (
+        [(leg.centre.tolist(), leg.length) for leg in find_legs(mechanism, q)]
+        for mechanism in (known, pj.load("stewart_gough"))
+    )
+    assert len(own) == 6
+    assert own == other

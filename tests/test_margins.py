@@ -343,3 +343,20 @@ def test_two_models_of_one_machine_agree(one, other):
             else:
                 assert mine[name].arm == pytest.approx(theirs[name].arm, rel=1e-8)
     assert first.loss.keys() == second.loss.keys() != set()
+
+
+@pytest.mark.parametrize("name", ["planar_3rpr", "delta_rods", "planar_3rrr", "three_rps"])
+def test_of_equal_margins_the_first_is_named(name):
+    """Symmetric machines have the same margins at each leg, but for rounding."""
+    found = margins_of(loaded(name).home)
+    joints = [*found.gain.items(), *found.loss.items()]
+    tool = [(motor, one.value, one.unit) for motor, one in found.tool.items()]
+    arms = [(motor, value) for motor, value, unit in tool if unit == "m"]
+    angles = [(motor, value) for motor, value, unit in tool if unit == "rad"]
+    arms += [(joint, one.arm) for joint, one in joints]
+    for of in ("angle", "transmission"):
+        angles += [(joint, getattr(one, of)) for joint, one in joints]
+    for smallest, named in ((found.smallest_arm, arms), (found.smallest_angle, angles)):
+        near = [joint for joint, value in named if value < smallest.value * (1 + 1e-9)]
+        assert len(near) == 3
+        assert smallest.name == near[0]

@@ -150,7 +150,8 @@ class Kinematics:
     def placed(self, q: Array) -> pin.Data:
         """Return this thread's scratch data, joints' motions and frames computed at q.
 
-        What is read off it has to be read before the next call.
+        What is read off it has to be read before the next call, which ranks are found by, too, when
+        they are first asked for.
         """
         data = self._at(q).data
         pin.updateFramePlacements(self.model, data)

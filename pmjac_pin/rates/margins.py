@@ -28,6 +28,7 @@ from types import MappingProxyType
 from typing import Literal, NamedTuple
 
 from pmjac_pin.rates.screw import Screw
+from pmjac_pin.values.ties import LIKE
 
 
 class Least(NamedTuple):
@@ -121,5 +122,7 @@ class Margins:
 
 
 def _least(named: Iterable[tuple[str, float]]) -> Least | None:
+    """Return the first of those that are the smallest but for rounding, None where none is."""
     known = [Least(*one) for one in named if math.isfinite(one[1])]
-    return min(known, key=lambda one: one.value, default=None)
+    least = min((one.value for one in known), default=math.inf)
+    return next((Least(one.name, least) for one in known if LIKE * one.value <= least), None)

@@ -54,6 +54,8 @@ class Leg:
 
 def find_legs(mechanism: Mechanism, q: Array) -> list[Leg]:
     """Return the mechanism's legs, with the motors as in q."""
+    # First: where ranks are not known yet they are found then, with the same scratch data.
+    length = mechanism.problem.partition.length
     model, data = mechanism.kinematics.model, mechanism.kinematics.placed(q)
     joints = {edge.child: edge for edge in edges_of(model).values()}
     lonely = _lonely_bodies(mechanism, joints)
@@ -63,9 +65,8 @@ def find_legs(mechanism: Mechanism, q: Array) -> list[Leg]:
             ends = [find_frame(model, name) for name in loop.frames]
             for end, other in ((ends[0], loop.frames[1]), (ends[1], loop.frames[0])):
                 chain = _leg_chain(mechanism, joints, lonely, end.joint)
-                if chain and (leg := _leg(mechanism, data, chain, end)):
-                    centre, length = leg
-                    legs.append(Leg(chain, loop, other, chain[-1].parent, centre, length))
+                if chain and (leg := _leg(mechanism, data, chain, end, length)):
+                    legs.append(Leg(chain, loop, other, chain[-1].parent, *leg))
                     break
     return legs
 
@@ -110,10 +111,9 @@ def _leg_chain(
 
 
 def _leg(
-    mechanism: Mechanism, data: pin.Data, chain: tuple[Edge, ...], end: Frame
+    mechanism: Mechanism, data: pin.Data, chain: tuple[Edge, ...], end: Frame, length: float
 ) -> tuple[Array, float] | None:
     """Return the centre of a chain's ball or universal joint and its reach, if it is a leg."""
-    length = mechanism.problem.partition.length
     tip = data.oMi[end.joint].act(end.placement.translation)
     places = [data.oMi[edge.child] * edge.after.inverse() for edge in chain]
     hinges = [
