@@ -55,8 +55,8 @@ class EquationsOfMotion(ReadOnlyArrays):
             raise ArgumentError(f"a ConstraintEquality expected, got a {type(task).__name__}")
         if task.cols != (nv := self.closure.cols - self.closure.rows):
             raise ArgumentError(f"a task on {nv} accelerations expected, got one on {task.cols}")
-        matrix = np.reshape(task.matrix, (task.rows, nv))  # one row comes as a vector
-        wide = np.pad(matrix, ((0, 0), (0, self.closure.rows)))
+        # Of one row, `matrix` comes as a vector.
+        wide = np.pad(np.reshape(task.matrix, (task.rows, nv)), ((0, 0), (0, self.closure.rows)))
         return tsid.ConstraintEquality("accelerations", wide, task.vector)
 
     def of_efforts(self, efforts: ArrayLike) -> Any:
@@ -111,9 +111,6 @@ def equations_of_motion(
     check_inertia_of_tree(mass, A, partition.column_scale, lambda: massless(tree.model))
     rows, closed = np.hstack([mass, -A.T]), np.pad(A, ((0, 0), (0, len(A))))
     motors, passive = partition.actuated, partition.passive
-    return EquationsOfMotion(
-        tsid.ConstraintEquality("closure", closed, -gamma - Kd * A @ v - Kp * leading @ eta),
-        tsid.ConstraintEquality("passive joints", rows[passive], -bias[passive]),
-        rows[motors],
-        bias[motors],
-    )
+    closing = tsid.ConstraintEquality("closure", closed, -gamma - Kd * A @ v - Kp * leading @ eta)
+    undriven = tsid.ConstraintEquality("passive joints", rows[passive], -bias[passive])
+    return EquationsOfMotion(closing, undriven, rows[motors], bias[motors])
