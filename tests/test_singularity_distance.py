@@ -393,3 +393,11 @@ def test_what_motors_meet_stands_before_what_is_nearer_on_another_mode(number):
         )
     ) == side(here)
     assert side(loss.configuration) == -side(here)
+
+
+def test_of_a_gain_and_a_loss_that_are_as_far_the_gain_is_named():
+    """Where the Agile Eye's motors are a quarter turn away, it is singular by both."""
+    home = loaded("agile_eye").home
+    gain, loss = (pj.nearest_singularity(home, kind=kind, rng=0) for kind in ("gain", "loss"))
+    assert gain.distance == pytest.approx(loss.distance, rel=1e-9) == np.pi / 2
+    assert pj.nearest_singularity(home, rng=0).freed == "gain"

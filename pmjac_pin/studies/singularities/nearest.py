@@ -20,6 +20,7 @@ from pmjac_pin.studies.singularities.nearest_singularity import NearestSingulari
 from pmjac_pin.studies.singularities.singular_equations import FREED, Freed, SingularEquations
 from pmjac_pin.values.arrays import Array, norm
 from pmjac_pin.values.checks import as_count, check_kind, check_one_of
+from pmjac_pin.values.ties import LIKE
 
 _SPACES = ("motors", "joints")
 _REACHES = (0.3, 1.0, 2.5)  # rad or lengths: how far starts lead from the pose
@@ -91,7 +92,9 @@ def nearest_singularity(
     begun = [configuration.q, *_starts(configuration, starts, generator(rng))]
     found = [_nearest_of(configuration, one, measure, begun) for one in equations]
     # One on another assembly mode is none that motors meet, however near their values are.
-    return min(found, key=lambda one: (not one.straight, one.distance))
+    best = min(found, key=lambda one: (not one.straight, one.distance))
+    alike = (one for one in found if one.straight is best.straight)
+    return next(one for one in alike if LIKE * one.distance <= best.distance)  # not by rounding
 
 
 def _equations_of(configuration: Configuration, kind: Freed | None) -> list[SingularEquations]:
