@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import importlib.util
 import os
 import re
 import subprocess
@@ -178,6 +179,7 @@ def test_starting_up_imports_little(code):
     subprocess.run([sys.executable, "-c", code], check=True, cwd=PACKAGE.parent)
 
 
+ADAPTED = ("casadi", "crocoddyl", "jax", "mink", "pink", "tsid")
 # Imports each of these modules in a process of its own, where others' packages are there already.
 IN_FORKS = """
 import importlib, os, sys, traceback
@@ -197,6 +199,12 @@ for name in sys.argv[1:]:
 @pytest.mark.slow
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork")
 def test_each_module_can_be_imported_first():
-    command = [sys.executable, "-c", IN_FORKS, *sorted(IMPORTS)]
+    """Those of libraries that are not installed, as TSID, which has no wheel, left out."""
+    missing = {
+        f"pmjac_pin.adapters.{library}"
+        for library in ADAPTED
+        if not importlib.util.find_spec(library)
+    }
+    command = [sys.executable, "-c", IN_FORKS, *sorted(IMPORTS.keys() - missing)]
     done = subprocess.run(command, check=True, cwd=PACKAGE.parent, capture_output=True, text=True)
     assert done.stdout == ""
