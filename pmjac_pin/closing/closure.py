@@ -82,12 +82,10 @@ def follow(
     tries = 0
     while regular and tries < MOST_STEPS:
         tries += 1
-        pace = norm(velocity / partition.column_scale)
-        step = min(step, LARGEST_STEP * partition.length / pace if pace else 1.0)
-        last = step >= 1.0 - share
-        stride = 1.0 - share if last else step
-        if not last and stride * pace < SMALLEST_STEP * partition.length:
+        pace = norm(velocity / partition.column_scale) / partition.length
+        if (stride := _stride(pace, step, 1.0 - share)) is None:
             break
+        last = stride == 1.0 - share
         tangent = velocity * stride
         ahead = problem.integrate(point.q, tangent)
         candidate = corrected(problem, target(ahead) if last else ahead, tangent, last)
@@ -111,6 +109,14 @@ def follow(
         step = 2.0 * stride
     ended = Followed(point, share, iterations, spent=tries == MOST_STEPS)
     return _arrived(problem, ended, (1.0 - share) * distance, target)
+
+
+def _stride(pace: float, step: float, left: float) -> float | None:
+    """Return how far to go of what is left, at lengths a unit of the way; None where too little."""
+    step = min(step, LARGEST_STEP / pace if pace else 1.0)
+    if step >= left:
+        return left
+    return None if step * pace < SMALLEST_STEP else step
 
 
 def sinks_away(before: Closed, point: Closed, partition: Partition) -> bool:

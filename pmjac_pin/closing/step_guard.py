@@ -123,9 +123,7 @@ class StepGuard:
         off = self._bends.off_closure * self._bends.block_norms(residual)[:, None]
         left_out = (QUADRATIC * self._bends.rates(motion) + off) * partition.scale
         scaled = jacobian * partition.scale
-        open_by = CUBIC * self._bends.residual(motion) + self._bends.rounding(motion)
-        open_by *= partition.row_scale
-        open_by += SLOPES * np.abs(end.residual - start.residual)
+        open_by = self._open_by(motion, partition.row_scale, end.residual - start.residual)
         middle = inverse.dot((scaled - start.scaled).take(passive, axis=1))
         if aside is not None:
             sizes = PARABOLA * np.maximum.reduce(
@@ -175,6 +173,13 @@ class StepGuard:
             None,
         )
         return self._contracts(step, None)
+
+    def _open_by(self, motion: MotionSeries, row_scale: Array, rounding: Array) -> Array:
+        """Return how far the cubic curve opens the loops at most, whose ends differ by rounding."""
+        bound = CUBIC * self._bends.residual(motion) + self._bends.rounding(motion)
+        bound *= row_scale
+        bound += SLOPES * np.abs(rounding)
+        return bound
 
     def _curve(
         self, first: Array, last: Array, leaving: Array, arriving: Array
