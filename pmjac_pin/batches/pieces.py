@@ -7,10 +7,12 @@ interrupts is not lost.
 from __future__ import annotations
 
 import os
+from _thread import start_new_thread
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from threading import Thread
+from itertools import pairwise, repeat
+from threading import Event
 from typing import Any, Generic, TypeAlias, TypeVar
 
 import numpy as np
@@ -22,7 +24,8 @@ from pmjac_pin.errors import ArgumentError, Interrupted, quoted
 from pmjac_pin.values.arrays import Array, Mask, ReadOnlyArrays, sealed
 from pmjac_pin.values.checks import check_callable
 
-PIECE = 4096  # poses: they fill the kernel's lanes, and some MB
+PIECE = 4096  # poses at most: they fill the kernel's lanes, and some MB
+_LANES = 16
 _HEARING = 0.2  # s: what waits for another thread does not hear every signal
 Progress: TypeAlias = Callable[[int, int], object]
 Results = TypeVar("Results", bound=ReadOnlyArrays)
@@ -97,7 +100,7 @@ def gathered(
         Of its arrays, by their names.
     work : callable
         Fills the arrays of a piece, ``work(piece, *parts)``, in that order. Where the pieces end
-        depends on their number alone.
+        depends on the number of poses alone.
     how : Manner
     **more
         What the results are made with besides their arrays.
@@ -126,6 +129,25 @@ def gathered(
     return result
 
 
+def pieces_of(count: int) -> list[slice[int, int, None]]:
+    """Return the pieces of so many poses, whoever computes them.
+
+    They are alike, so that threads end together, but the first and the last, which are halves: else
+    threads would end each piece at one time, and wait for each other at Python's lock.
+
+    Examples
+    --------
+    >>> [piece.stop - piece.start for piece in pieces_of(10_000)]
+    [1264, 2528, 2528, 2528, 1152]
+    """
+    if count <= PIECE:
+        return [slice(0, count)] if count else []
+    alike = 2 * -(-count // (2 * PIECE))
+    half = -(-count // (2 * alike * _LANES)) * _LANES
+    ends = [0, *range(half, count, 2 * half), count]
+    return [slice(start, end) for start, end in pairwise(ends)]
+
+
 class _Filling:
     """Arrays of many poses, filled piece by piece, and the pieces that are left.
 
@@ -135,27 +157,29 @@ class _Filling:
 
     def __init__(self, found: Sequence[NDArray[Any]], work: PieceWork) -> None:
         self.count, self._found, self._work = len(found[0]), found, work
-        starts = range(0, self.count, PIECE)
-        self._left = {at: slice(at, min(at + PIECE, self.count)) for at in starts}
-        self._waiting, self._ended = deque(starts), deque[int]()
+        self._left = {piece.start: piece for piece in pieces_of(self.count)}
+        self._waiting, self._ended = deque(self._left), deque[int]()
         self._failed: dict[int, Exception] = {}
         self.given_up = False
 
     def fill(self, threads: int, progress: Progress | None) -> None:
         """Fill the arrays; raise what went wrong in the first of the pieces where something did."""
         told = _Told(progress, self.count, self._ended)
-        helpers = [Thread(target=self._help) for _ in range(min(threads, len(self._left)) - 1)]
+        at_rest = [Event() for _ in range(min(threads, len(self._left)) - 1)]
+        helpers: list[int] = []
         try:
-            for helper in helpers:
-                helper.start()
+            # Not by `threading`, which waits until each runs: 0.1 ms where a core is to wake. And
+            # at once, so that whoever interrupts finds in `helpers` all that run.
+            helpers.extend(map(start_new_thread, repeat(self._help), zip(at_rest)))
             for _ in self._pieces():
                 told.on()
-            _wait_for(helpers)
+            _wait_for(at_rest)
             told.on()
         except BaseException:
             self._waiting.clear()
             self.given_up = True
-            _wait_for(helpers)  # each to its next step: nothing is written any more
+            # Each to its next step: nothing is written any more.
+            _wait_for(at_rest[: len(helpers)])
             raise
         for at in sorted(self._failed)[:1]:
             raise self._failed[at]
@@ -168,9 +192,12 @@ class _Filling:
                 array[piece] = nothing
         return self.count - sum(piece.stop - piece.start for piece in self._left.values())
 
-    def _help(self) -> None:
-        for _ in self._pieces():
-            pass
+    def _help(self, at_rest: Event) -> None:
+        try:
+            for _ in self._pieces():
+                pass
+        finally:
+            at_rest.set()
 
     def _pieces(self) -> Iterator[None]:
         """Fill pieces for as long as there are any; yield after each."""
@@ -208,10 +235,10 @@ class _Told:
             self._progress(self._done, self._count)
 
 
-def _wait_for(threads: Sequence[Thread]) -> None:
-    for thread in threads:
-        while thread.is_alive():
-            thread.join(_HEARING)
+def _wait_for(at_rest: Sequence[Event]) -> None:
+    for event in at_rest:
+        while not event.wait(_HEARING):
+            pass
 
 
 def interrupted(what: str, done: object) -> Interrupted:
