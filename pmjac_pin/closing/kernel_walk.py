@@ -162,14 +162,16 @@ class KernelWalk:
         nv, motors = machine.struct.nv, machine.struct.motors
         # With the rates with each motor, how these bend by pairs, and their sizes.
         common = np.zeros(arrival.outputs + motors * (nv + 1) + motors * (motors + 1) // 2 * nv)
+        learnt = np.full(machine.struct.nq, np.nan)
         self._begin, self._walk = library.pmjac_begin, library.pmjac_walk
-        self._kept = machine, programs, point, states, common
+        self._kept = machine, programs, point, states, common, learnt
         self._struct = WalkStruct(
             ctypes.addressof(machine.struct),
             *(memory.struct for memory in programs),
             address(point),
             ctypes.addressof(states),
             address(common),
+            address(learnt),
             0.0,
         )
         self._argument = ctypes.byref(self._struct)
