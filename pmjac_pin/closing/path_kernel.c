@@ -26,7 +26,7 @@ static void finish(Walk *walk, int at, int64_t end)
     walk->gap[lane->path] = known(machine, walk->point)[GAP][at];
     walk->share[lane->path] = lane->share;
     walk->iterations[lane->path] = lane->iterations;
-    walk->end[lane->path] = end;
+    walk->end[lane->path] = end, walk->arrived += end == ARRIVED;
     lane->state = IDLE, lane->stride = 0.0;
 }
 
@@ -64,14 +64,12 @@ static void take_up(Walk *walk, int at)
     }
 }
 
-/* Take up the first paths. Lanes that have none hold the last one: numbers that are none would
- * take long. */
+/* Take up the first paths. Lanes behind the last one that has a path are left alone. */
 void pmjac_begin(Walk *walk)
 {
     if (have_common_start(walk)) learn_common(walk);
-    walk->taken = walk->busy = 0;
+    walk->taken = walk->busy = walk->arrived = 0;
     for (int lane = 0; lane < LANES; lane++) {
-        put(walk, lane, walk->count - 1);
         walk->lanes[lane].state = IDLE;
         take_up(walk, lane);
         if (walk->lanes[lane].state != IDLE) walk->busy = lane + 1;

@@ -95,6 +95,7 @@ class WalkStruct(ctypes.Structure):
             for name in ("designed", "apart", "count", "taken", "most_tries", "few", "patience")
         ),
         ("busy", _Count),
+        ("arrived", _Count),
         *((name, _Pointer) for name in ("q", "gap", "share", "iterations", "end")),
     )
 

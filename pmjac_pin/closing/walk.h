@@ -69,6 +69,7 @@ typedef struct {
     const double *design; /* what programs know of each path's own machine: the last of their inputs */
     int64_t designed, apart, count, taken, most_tries, few, patience;
     int64_t busy; /* lanes up to the last one that has a path */
+    int64_t arrived; /* paths at their targets */
     double *q, *gap, *share;
     int64_t *iterations, *end;
 } Walk;
