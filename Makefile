@@ -4,7 +4,7 @@ BIN := .venv/bin
 # Else each of the many processes that tests start compiles the package anew.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo test slow dist matrix bench bench-many screenshots readme docs lint clean
+.PHONY: demo test slow targets dist matrix bench bench-many screenshots readme docs lint clean
 
 demo: .venv/ready
 	$(BIN)/pmjac demo
@@ -15,6 +15,10 @@ test: .venv/ready
 slow: .venv/ready
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[adapters,peers,release]'
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 --dist loadfile -m slow --durations=8
+
+# Ten thousand targets of each mechanism, many at once and one by one: takes hours.
+targets: .venv/ready
+	PMJAC_TARGETS=10000 OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 -v -rP -m "" tests/test_ten_thousand_targets.py
 
 dist: .venv/release
 	$(BIN)/python scripts/build_distributions.py

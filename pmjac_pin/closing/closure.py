@@ -29,7 +29,7 @@ LARGEST_STEP = 0.25  # motion in one step, a rad counted as one length
 SMALLEST_STEP = 1e-9  # motion in one step that is not the last: less is not resolved
 LARGEST_CORRECTION = 0.25  # first Newton correction, as a share of the predicted motion
 SLOWEST_CONTRACTION = 0.25  # of one Newton correction by the next
-HARDLY_ANYTHING = 1e-5  # left of the motors' path, where it may end in a singular target
+HARDLY_ANYTHING = 1e-4  # left of the motors' path, where it may end in a singular target
 _BESIDE_A_FOLD = (
     1e-5  # lengths or rad: both modes that meet at a fold are as near when the gap is 1e-12
 )
@@ -108,7 +108,7 @@ def follow(
             break
         step = 2.0 * stride
     ended = Followed(point, share, iterations, spent=tries == MOST_STEPS)
-    return _arrived(problem, ended, (1.0 - share) * distance, target)
+    return _arrived(problem, guard, ended, displacement, target)
 
 
 def _stride(pace: float, step: float, left: float) -> float | None:
@@ -130,15 +130,48 @@ def sinks_away(before: Closed, point: Closed, partition: Partition) -> bool:
 
 
 def _arrived(
-    problem: ClosureProblem, ended: Followed, left: float, target: Callable[[Array], Array]
+    problem: ClosureProblem,
+    guard: StepGuard,
+    ended: Followed,
+    displacement: Array,
+    target: Callable[[Array], Array],
 ) -> Followed:
     """Return the target itself, when it is singular and the path ended right beside it."""
-    if ended.share == 1.0 or left > HARDLY_ANYTHING * problem.partition.length:
+    partition, left = problem.partition, (1.0 - ended.share) * displacement
+    if ended.share == 1.0 or (
+        norm(left / partition.motor_scale) > HARDLY_ANYTHING * partition.length
+    ):
         return ended
-    point = beside(problem, ended.point.q, target(ended.point.q))
-    if point is None or not is_singular(point, problem.partition):
+    point = _stepped(problem, guard, ended.point, left, target)
+    if point is None:
+        point = beside(problem, ended.point.q, target(ended.point.q))
+    if point is None or not is_singular(point, partition):
         return ended
     return Followed(point, 1.0, ended.iterations + point.iterations)
+
+
+def _stepped(
+    problem: ClosureProblem,
+    guard: StepGuard,
+    point: Closed,
+    left: Array,
+    target: Callable[[Array], Array],
+) -> Closed | None:
+    """Return the target in one step from where what is nearly singular ended the path, if covered.
+
+    Where a path was met by another step than others would take, it ends at another pose: so what
+    can be proven of the rest is what counts.
+    """
+    partition = problem.partition
+    if not is_invertible(point, partition):
+        return None
+    leaving = path_velocity(point, left, partition)
+    ahead = target(problem.integrate(point.q, leaving))
+    found = corrected(problem, ahead, leaving, last=True)
+    if found is None or not is_invertible(found, partition):
+        return None
+    arriving = path_velocity(found, left, partition)
+    return found if guard.covers(problem, point, found, leaving, arriving) else None
 
 
 def beside(problem: ClosureProblem, closed: Array, q: Array) -> Closed | None:
