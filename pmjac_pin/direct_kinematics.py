@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
 import numpy as np
@@ -12,6 +12,8 @@ from pmjac_pin.closing.closure import MOST_STEPS, Followed, follow
 from pmjac_pin.closing.closure_problem import ClosureProblem
 from pmjac_pin.closing.damped_closure import Assembled, assemble, motor_weights
 from pmjac_pin.closing.held_motors import assemble_held
+from pmjac_pin.closing.idle_path import IdlePath
+from pmjac_pin.closing.idle_way import idles
 from pmjac_pin.closing.motor_values import MotorValues, by_joint, motor_values
 from pmjac_pin.closing.over_actuation import ties_in_words, walk_led
 from pmjac_pin.configuration import Configuration
@@ -133,8 +135,29 @@ def _walked(mechanism: Mechanism, start: Configuration, values: Array) -> Follow
     problem, guard, motors = start.problem, mechanism.step_guard, mechanism.motors
     if problem.partition.constraint_rank > problem.partition.passive_rank:
         return walk_led(problem, mechanism._parts.coordinates, guard, start._point, values)
-    displacement = motors.way(start.q, values)
-    return follow(problem, guard, start._point, displacement, lambda q: motors.at(q, values))
+    displacement, point = motors.way(start.q, values), start._point
+    if idles(problem.partition) and (idle := mechanism.idle_way) is not None:
+        target = _on_the_way(mechanism, start, displacement, values)
+        return IdlePath(problem, guard, idle, point, displacement, target).walk()
+    return follow(problem, guard, point, displacement, lambda q: motors.at(q, values))
+
+
+def _on_the_way(
+    mechanism: Mechanism, start: Configuration, displacement: Array, values: Array
+) -> Callable[[Array, float], Array]:
+    """Return (q, share) ↦ q with the motors at that share of a straight way, at its end exactly."""
+    problem, motors, coordinates = start.problem, mechanism.motors, mechanism.coordinates
+    columns = problem.partition.actuated
+    way = np.zeros(mechanism.nv)
+    way[columns] = displacement
+
+    def target(q: Array, share: float) -> Array:
+        if share == 1.0:
+            return motors.at(q, values)
+        there = coordinates.values_of(problem.integrate(start.q, share * way), columns)
+        return motors.at(q, there)
+
+    return target
 
 
 def check_limits(mechanism: Mechanism, values: Array) -> None:

@@ -16,6 +16,7 @@ from pmjac_pin.closing.arms import arms_of, without_arms
 from pmjac_pin.closing.assembly import build_parts
 from pmjac_pin.closing.motor_values import Motors
 from pmjac_pin.closing.pose_assembly import assemble_pose
+from pmjac_pin.closing.idle_way import IdleWay
 from pmjac_pin.closing.recorded_mechanism import RecordedMechanism
 from pmjac_pin.closing.step_guard import StepGuard
 from pmjac_pin.configuration import Configuration
@@ -280,6 +281,14 @@ class Mechanism(MechanismSiblings, Shown):
         except ArgumentError:
             arms = without_arms(parts.model, len(parts.kinematics.loops.row_names))
         return StepGuard(parts.model, arms)
+
+    @cached_property
+    def idle_way(self) -> IdleWay | None:
+        """What knows where idle motions are at the ends of paths, None of joints not in the table."""
+        try:
+            return IdleWay(self._parts.model)
+        except ArgumentError:
+            return None
 
     def _checked(self, q: ArrayLike) -> Array:
         values, parts = as_numbers(q, "q"), self._parts

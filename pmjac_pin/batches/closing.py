@@ -11,7 +11,9 @@ from pmjac_pin.batches.one_by_one import close_one
 from pmjac_pin.batches.pieces import Piece
 from pmjac_pin.batches.results import Status, Statuses
 from pmjac_pin.closing.closure import LARGEST_STEP, MOST_STEPS
-from pmjac_pin.closing.many_paths import GoOn, Walker
+from pmjac_pin.closing.idle_way import idles
+from pmjac_pin.closing.many_idle_paths import ManyIdlePaths
+from pmjac_pin.closing.many_paths import GoOn, Paths, Walker
 from pmjac_pin.closing.path_kernel import many_paths_kernel
 from pmjac_pin.closing.paths_in_lanes import PathsInLanes
 from pmjac_pin.errors import MissingDependencyError
@@ -31,11 +33,14 @@ class Closing:
         None where nothing is recorded: by single calls.
     lanes : PathsInLanes or None
         What walks in its place where a kernel was built.
+    idle : ManyIdlePaths or None
+        What walks by them where something idles.
     """
 
     mechanism: Mechanism
     walker: Walker | None
     lanes: PathsInLanes | None = None
+    idle: ManyIdlePaths | None = None
 
     @classmethod
     def of(cls, mechanism: Mechanism, compiled: CompiledPrograms | None = None) -> Closing:
@@ -54,7 +59,10 @@ class Closing:
                 "and none was: install a C compiler, then pmjac_pin anew (pip install "
                 "--force-reinstall --no-deps pmjac_pin)"
             )
-        return cls(mechanism, Walker(*known, *tapes), lanes)
+        idle = None
+        if idles(mechanism.problem.partition):
+            idle = ManyIdlePaths(*known, *mechanism.recorded.idling)
+        return cls(mechanism, Walker(*known, *tapes), lanes, idle)
 
     def check(self, start: Array) -> None:
         """Raise ClosureError where the loops of one of some poses are open."""
@@ -122,13 +130,29 @@ class Closing:
             return np.zeros(len(values), dtype=bool)
         displacement = self._displacement(start, values)
         walker, most = self.lanes or self.walker, most_steps or MOST_STEPS
-        paths = walker.walk(start, displacement, values, go_on, most, ends=ends)
+        settled = self._walked(walker, (start, displacement, values), go_on, most, ends)
         left = np.flatnonzero(share != 1.0)  # the others were within so many steps
         if left.size:
             # Where a path is too long for any number of steps, single calls say so without a step.
             far = np.linalg.norm(displacement[left] / partition.motor_scale, axis=1)
-            paths.settled[left] &= far <= MOST_STEPS * LARGEST_STEP * partition.length
-        return paths.settled
+            settled[left] &= far <= MOST_STEPS * LARGEST_STEP * partition.length
+        return settled
+
+    def _walked(
+        self,
+        walker: Walker | PathsInLanes,
+        paths: tuple[Array, Array, Array],
+        go_on: GoOn,
+        most_steps: int,
+        ends: tuple[Array, Array],
+    ) -> Mask:
+        if self.idle is None:
+            return walker.walk(*paths, go_on, most_steps, ends=ends).settled
+
+        def walk(q: Array, displacement: Array, target: Array) -> Paths:
+            return walker.walk(q, displacement, target, go_on, most_steps)
+
+        return self.idle.walk(walk, *paths, ends)
 
     def _displacement(self, start: Array, values: Array) -> Array:
         """Return how far the motors go."""
