@@ -149,8 +149,10 @@ class Closing:
         if self.idle is None:
             return walker.walk(*paths, go_on, most_steps, ends=ends).settled
 
-        def walk(q: Array, displacement: Array, target: Array) -> Paths:
-            return walker.walk(q, displacement, target, go_on, most_steps)
+        def walk(
+            q: Array, displacement: Array, target: Array, ends: tuple[Array, Array]
+        ) -> Paths:
+            return walker.walk(q, displacement, target, go_on, most_steps, ends=ends)
 
         return self.idle.walk(walk, *paths, ends)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -43,37 +43,35 @@ class IdlePath:
     def walk(self) -> Followed:
         """Walk as `follow` does, staying where idle motions are those of the start.
 
-        Pieces are halved until all are short enough for that; where none are, the smallest rates
-        say where idle motions are.
+        A piece that is too long for that is halved, six times at most: then smallest rates say
+        where idle motions are.
         """
         partition = self.problem.partition
         distance = norm(self.displacement / partition.motor_scale) / partition.length
         if distance > MOST_STEPS * LARGEST_STEP:
             return self._piece(self.start, 1, 1)
         count = int(pieces_of(np.array(distance)))
-        for _ in range(_HALVINGS):
-            if (path := self._in_pieces(count, self._settled)) is not None:
-                return path
-            count *= 2
-        path = self._in_pieces(count, lambda start, end: self._settled(start, end) or end)
-        assert path is not None
-        return path
+        return self._pieces(Followed(self.start, 0.0, 0), range(1, count + 1), count, _HALVINGS)
 
-    def _in_pieces(
-        self, count: int, ending: Callable[[Closed, Closed], Closed | None]
-    ) -> Followed | None:
-        """Walk in so many pieces; None where one of them is too long for its end to be settled."""
-        point, iterations = self.start, 0
-        for number in range(1, count + 1):
-            path = self._piece(point, number, count)
-            iterations += path.iterations
+    def _pieces(
+        self, before: Followed, numbers: Iterable[int], count: int, halvings: int
+    ) -> Followed:
+        """Walk on by some of so many pieces, as far as they lead."""
+        for number in numbers:
+            path = self._piece(before.point, number, count)
             if path.share < 1.0:
                 share = (number - 1 + path.share) / count
-                return path._replace(share=share, iterations=iterations)
-            if (end := ending(point, path.point)) is None:
-                return None
-            point = end
-        return Followed(point, 1.0, iterations)
+                return path._replace(share=share, iterations=before.iterations + path.iterations)
+            end = self._settled(before.point, path.point)
+            if end is None and halvings:
+                halves = (2 * number - 1, 2 * number)
+                before = self._pieces(before, halves, 2 * count, halvings - 1)
+            else:
+                iterations = before.iterations + path.iterations
+                before = Followed(end or path.point, number / count, iterations)
+            if before.share < number / count:
+                return before
+        return before
 
     def _piece(self, point: Closed, number: int, count: int) -> Followed:
         share = number / count

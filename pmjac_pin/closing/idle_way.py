@@ -11,14 +11,18 @@ joint by joint, a joint's slides in its axes at q₀, its turn as a rotation vec
 start has then not moved, measured there. From near by Newton's method finds it, on this and the
 loops: with u its step on the loops alone, N spanning null K* at q, and L v the rates of x at v,
 
-    v = u − P (x + L u),    P = N (N₀ᵀ L N)⁻¹ N₀ᵀ.
+    v = u − P (x + L u),    P = N (N₀ᵀ L N)⁻¹ N₀ᵀ:
 
+v = −B⁺ (η, N₀ᵀ x) with N₀ᵀ L below K* in B, whose last columns of B⁺ are N (N₀ᵀ L N)⁻¹.
 P depends on no choice of bases; where nothing has turned it is orthogonal, ‖P‖² = d. Where idle
 motions are not those of the start any more, or x is near half a turn, P grows: there, a path is too
 long for this, and is cut in two.
 """
 
 from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pinocchio as pin
@@ -27,15 +31,15 @@ from pmjac_pin.algebra.floats import Floats
 from pmjac_pin.closing.closed import Closed, closed_point
 from pmjac_pin.closing.closure_problem import ClosureProblem
 from pmjac_pin.kinematics.joint_steps import arriving, between
-from pmjac_pin.kinematics.tree import Tree
+from pmjac_pin.kinematics.tree import Link, Tree
 from pmjac_pin.rates.partition import Partition
 from pmjac_pin.values.arrays import Array, Index, norm
 
 # Lengths, a rad counted as one:
 PIECE = 1.0  #: how far motors go before the idle motions are looked at
 LARGEST_RETURN = 0.5  #: of the first step back
-SETTLED = 1e-10  #: of the last step: what that leaves is rounding
-UNRESOLVED = 1e-7  # of a step that does not become smaller: beside a fold, it is rounding
+SETTLED = 1e-14  #: what the last step leaves, as foretold: steps square, with the condition of K*
+UNRESOLVED = 1e-7  #: of a step that does not become smaller: beside a fold, it is rounding
 MOST_RETURNS = 20
 TURNED = 3.0  #: by how much ‖P‖² may grow
 
@@ -68,10 +72,14 @@ class IdleWay:
         A joint that is not in the table of joints.
     """
 
-    __slots__ = ("_tree",)
+    __slots__ = ("_alike",)
 
     def __init__(self, model: pin.Model) -> None:
-        self._tree = Tree(model)
+        links = list(Tree(model).links.values())
+        kinds = {id(link.kind): link.kind for link in links}
+        self._alike = [
+            _Alike.of([link for link in links if link.kind is kind]) for kind in kinds.values()
+        ]
 
     def settled(self, problem: ClosureProblem, start: Closed, end: Closed) -> Closed | None:
         """Return the closed pose beside the end of a path at which what idled has not moved.
@@ -79,16 +87,15 @@ class IdleWay:
         None where Newton's method does not find it, or where it is too far from the start.
         """
         partition = problem.partition
-        length, rank = partition.length, partition.passive_rank
-        idle = start.factors.right[rank:]
-        point, before = end, 2.0 * LARGEST_RETURN * length
+        length, idle = partition.length, start.factors.right[partition.passive_rank :]
+        point, before = end, 2.0 * LARGEST_RETURN
         for _ in range(MOST_RETURNS):
-            if point.factors.rank < rank:
+            if (found := self._back(partition, start.q, point, idle)) is None:
                 return None
-            back, turned = self._back(partition, start.q, point, idle)
-            size = norm(back)
+            back, turned, condition = found
+            size = norm(back) / length
             smaller = size <= 0.5 * before
-            done = size <= (SETTLED if smaller else UNRESOLVED) * length
+            done = condition * size**2 <= SETTLED or UNRESOLVED >= size > 0.5 * before
             done &= point.gap <= problem.tolerance
             if not (smaller or done):
                 return None
@@ -102,18 +109,63 @@ class IdleWay:
 
     def _back(
         self, partition: Partition, start: Array, point: Closed, idle: Array
-    ) -> tuple[Array, float]:
-        """Return Newton's step (m_p,), without dimension, and ‖P‖²."""
-        rank, scale = partition.passive_rank, partition.column_scale[:, None]
-        way = between(_FLOATS, self._tree, start[:, None], point.q[:, None])
-        motions = np.zeros((scale.size, 1 + len(idle)))
-        on_loops, free = -point.factors.solve(point.residual, rank), point.factors.right[rank:].T
-        motions[partition.passive] = np.column_stack([on_loops, free])
-        rates = arriving(_FLOATS, self._tree, np.repeat(way, 1 + len(idle), 1), motions * scale)
-        rates[:, 0] += way[:, 0]
-        seen = idle.dot((rates / scale)[partition.passive])
-        try:
-            back = np.linalg.solve(seen[:, 1:], np.column_stack([seen[:, :1], idle]))
-        except np.linalg.LinAlgError:
-            return np.full(len(free), np.nan), np.inf
-        return on_loops - free.dot(back[:, 0]), norm(free.dot(back[:, 1:])) ** 2
+    ) -> tuple[Array, float, float] | None:
+        """Return Newton's step (m_p,), without dimension, ‖P‖² and a condition of K*.
+
+        None where they are not known.
+        """
+        passive, scale = partition.passive, partition.column_scale
+        at_start, seen = np.zeros((len(idle), scale.size)), np.zeros((len(idle), scale.size))
+        at_start[:, passive] = idle
+        at_start /= scale
+        moved = np.zeros(len(idle))
+        for joints in self._alike:
+            way, rates = joints.way(start, point.q)
+            of_these = at_start[:, joints.columns]
+            moved += np.tensordot(of_these, way, 2)
+            seen[:, joints.columns] = np.einsum("djk,jlk->dlk", of_these, rates)
+        seen *= scale
+        both = np.vstack([point.scaled, seen]).take(passive, axis=1)
+        factors = partition.factorise(both, partition.size_of(point.scaled))
+        if factors.rank < passive.size:
+            return None  # its smallest singular value is no more than that of K*
+        inverse = factors.inverse(passive.size)
+        back = -inverse.dot(np.concatenate([point.residual, moved]))
+        condition = norm(inverse) * factors.size
+        return back, norm(inverse[:, -len(idle) :]) ** 2, condition
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Alike:
+    """Joints of one kind: steps of all of them are those of one, with more numbers in each place.
+
+    Attributes
+    ----------
+    links : mapping of int to Link
+        One of them, as if there were no other.
+    entries, columns : ndarray of int, shapes (nq of one, joints) and (nv of one, joints)
+        Of q and v.
+    """
+
+    links: Mapping[int, Link]
+    entries: Index
+    columns: Index
+
+    @classmethod
+    def of(cls, links: Sequence[Link]) -> _Alike:
+        """Gather links of one kind."""
+        kind = links[0].kind
+        entries = [range(link.entries.start, link.entries.stop) for link in links]
+        columns = [range(link.column, link.column + kind.nv) for link in links]
+        one = replace(links[0], entries=slice(0, len(entries[0])), column=0)
+        return cls({0: one}, np.array(entries, dtype=np.intp).T, np.array(columns, dtype=np.intp).T)
+
+    def way(self, start: Array, end: Array) -> tuple[Array, Array]:
+        """Return the way from the start (nv, joints), and its rates (nv, nv, joints) at the end."""
+        way = between(_FLOATS, self, start[self.entries], end[self.entries])
+        count, joints = way.shape
+        one_by_one = np.broadcast_to(np.eye(count)[:, :, None], (count, count, joints))
+        if not self.links[0].kind.curved:
+            return way, one_by_one
+        each = np.broadcast_to(way[:, None], one_by_one.shape)
+        return way, arriving(_FLOATS, self, each, one_by_one)

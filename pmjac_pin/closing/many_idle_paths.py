@@ -26,8 +26,8 @@ from pmjac_pin.values.arrays import Array, Index, Mask
 
 _EXACT = 1e-10  # of N₀, beside its largest entries
 
-#: (q, displacement, target) of some paths ↦ where they end.
-Walk = Callable[[Array, Array, Array], Paths]
+#: (q, displacement, target, ends) of some paths ↦ where they end.
+Walk = Callable[[Array, Array, Array, tuple[Array, Array]], Paths]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -67,29 +67,35 @@ class ManyIdlePaths:
         ends : (ndarray, ndarray), shapes (b, nq) and (b,)
             Where q and share go.
         """
-        here, share = ends
-        motors = self.problem.partition.actuated
         count = self._pieces(displacement)
-        first = self.coordinates.values_of(q if q.strides[0] else q[:1], motors)
-        settled, going, start = np.ones(len(q), dtype=bool), np.arange(len(q)), q
-        number = 0
+        if (count == 1).all():
+            return self._walk_one(walk, (q, displacement, target), ends)
+        here, share = ends
+        first = self.coordinates.values_of(q, self.problem.partition.actuated)
+        settled, number = np.ones(len(q), dtype=bool), 0
+        going, start = np.arange(len(q)), q
         while going.size:
             number += 1
-            part, way = (number / count[going])[:, None], displacement[going]
-            there = (first if len(first) == 1 else first[going]) + part * way
-            aim = np.where(part == 1.0, target[going], there)
-            paths = walk(start, way / count[going][:, None], aim)
-            arrived = np.flatnonzero(paths.share == 1.0)
-            here[going], share[going] = paths.q, (number - 1 + paths.share) / count[going]
-            settled[going] = paths.settled
-            here[going[arrived]], found = self._returned(
-                start[:1] if not start.strides[0] else start[arrived], paths.q[arrived]
-            )
-            lost = going[arrived[~found]]
-            settled[lost], share[lost] = False, 0.0
-            going = going[arrived[found]]
-            going = going[count[going] > number]
+            way, pieces = displacement[going] / count[going, None], count[going]
+            aim = np.where((pieces == number)[:, None], target[going], first[going] + number * way)
+            end, reached = np.empty(start.shape), np.empty(going.size)
+            settled[going] = self._walk_one(walk, (start, way, aim), (end, reached))
+            here[going], share[going] = end, (number - 1 + reached) / pieces
+            going = going[settled[going] & (reached == 1.0) & (pieces > number)]
             start = here[going]
+        share[~settled] = 0.0
+        return settled
+
+    def _walk_one(
+        self, walk: Walk, paths: tuple[Array, Array, Array], ends: tuple[Array, Array]
+    ) -> Mask:
+        """Walk one piece of each path; tell which are settled."""
+        settled, arrived = walk(*paths, ends).settled, ends[1] == 1.0
+        found = self._return(paths[0], ends[0], arrived)
+        lost = arrived & ~found
+        if lost.any():
+            ends[1][lost] = 0.0
+            return settled & ~lost
         return settled
 
     def _pieces(self, displacement: Array) -> Index:
@@ -99,35 +105,45 @@ class ManyIdlePaths:
         distance[distance > MOST_STEPS * LARGEST_STEP] = 0.0
         return pieces_of(distance)
 
-    def _returned(self, start: Array, q: Array) -> tuple[Array, Mask]:
-        """Return the closed poses beside some that start from others, as `IdleWay.settled`.
+    def _return(self, start: Array, end: Array, arrived: Mask) -> Mask:
+        """Bring back closed poses (b, nq) that are at the ends of paths, as `IdleWay.settled` does.
 
-        And of which they are found.
+        And tell of which they are found.
         """
-        open_by, inverse, *idle = run(self.idle, start.T)
-        given = np.vstack([start.T, *idle])
-        given = np.broadcast_to(given, (len(given), len(q)))
-        found = np.array(np.broadcast_to(open_by * inverse <= _EXACT, len(q)))
-        length, end = self.problem.partition.length, q.copy()
-        going = np.flatnonzero(found)
-        before = np.full(len(q), 2.0 * LARGEST_RETURN * length)
-        for _ in range(MOST_RETURNS):
-            if not going.size:
-                return end, found
-            told = run(self.back, np.vstack([end[going].T, given[:, going]]))
-            size, good, done = self._judged(told, before[going])
-            found[going] = good
-            end[going[good]], before[going] = told[5:, good].T, size
-            going = going[good & ~done]
-        found[going] = False
-        return end, found
+        told = run(self.idle, (start if start.strides[0] else start[:1]).T)
+        exact, nq = told[0] * told[1] <= _EXACT, end.shape[1]
+        inputs = np.empty((2 * nq + len(told) - 2, len(end)))
+        inputs[:nq], inputs[nq : 2 * nq], inputs[2 * nq :] = end.T, start.T, told[2:]
+        before = np.full(len(end), 2.0 * LARGEST_RETURN)
+        found = self._steps(inputs, exact & arrived, before, MOST_RETURNS)
+        end[:] = inputs[:nq].T
+        return found
+
+    def _steps(self, inputs: Array, on: Mask, before: Array, most: int) -> Mask:
+        """Take steps back of some columns, in their first rows; tell which come to an end."""
+        at, found = inputs[: self.idle.inputs], np.zeros(len(on), dtype=bool)
+        while on.any() and most:
+            told = run(self.back, inputs)
+            size, good, done = self._judged(told, before)
+            on = on & good
+            np.copyto(at, told[5:], where=on)
+            found |= on & done
+            on, before, most = on & ~done, size, most - 1
+            if 2 * np.count_nonzero(on) < len(on):
+                left = np.flatnonzero(on)
+                fewer = inputs[:, left]
+                found[left] = self._steps(fewer, on[left], before[left], most)
+                at[:, left] = fewer[: len(at)]
+                return found
+        return found
 
     def _judged(self, told: Array, before: Array) -> tuple[Array, Mask, Mask]:
         """Return sizes of steps, which of them are good, and which are the last."""
         partition = self.problem.partition
         gap, inverse, norm, size, turned = told[:5]
+        size = size / partition.length
         smaller = size <= 0.5 * before
-        done = size <= np.where(smaller, SETTLED, UNRESOLVED) * partition.length
+        done = (inverse * norm * size * size <= SETTLED) | (~smaller & (size <= UNRESOLVED))
         done &= gap <= self.problem.tolerance
         good = (smaller | done) & RankBounds.of(partition).regular(inverse, norm)
         good &= ~done | (turned <= partition.passive.size - partition.passive_rank + TURNED)
