@@ -12,8 +12,6 @@ from pmjac_pin.closing.closure import MOST_STEPS, Followed, follow
 from pmjac_pin.closing.closure_problem import ClosureProblem
 from pmjac_pin.closing.damped_closure import Assembled, assemble, motor_weights
 from pmjac_pin.closing.held_motors import assemble_held
-from pmjac_pin.closing.idle_path import IdlePath
-from pmjac_pin.closing.idle_way import idles
 from pmjac_pin.closing.motor_values import MotorValues, by_joint, motor_values
 from pmjac_pin.closing.over_actuation import ties_in_words, walk_led
 from pmjac_pin.configuration import Configuration
@@ -136,7 +134,9 @@ def _walked(mechanism: Mechanism, start: Configuration, values: Array) -> Follow
     if problem.partition.constraint_rank > problem.partition.passive_rank:
         return walk_led(problem, mechanism._parts.coordinates, guard, start._point, values)
     displacement, point = motors.way(start.q, values), start._point
-    if idles(problem.partition) and (idle := mechanism.idle_way) is not None:
+    if problem.partition.idles and (idle := mechanism.idle_way) is not None:
+        from pmjac_pin.closing.idle_path import IdlePath  # noqa: PLC0415
+
         target = _on_the_way(mechanism, start, displacement, values)
         return IdlePath(problem, guard, idle, point, displacement, target).walk()
     return follow(problem, guard, point, displacement, lambda q: motors.at(q, values))

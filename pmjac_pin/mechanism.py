@@ -16,7 +16,6 @@ from pmjac_pin.closing.arms import arms_of, without_arms
 from pmjac_pin.closing.assembly import build_parts
 from pmjac_pin.closing.motor_values import Motors
 from pmjac_pin.closing.pose_assembly import assemble_pose
-from pmjac_pin.closing.idle_way import IdleWay
 from pmjac_pin.closing.recorded_mechanism import RecordedMechanism
 from pmjac_pin.closing.step_guard import StepGuard
 from pmjac_pin.configuration import Configuration
@@ -32,6 +31,7 @@ from pmjac_pin.values.checks import as_numbers
 from pmjac_pin.values.shown import Shown
 
 if TYPE_CHECKING:
+    from pmjac_pin.closing.idle_way import IdleWay
     from pmjac_pin.kinematics.slopes import SlopesAlongMotions
 
 
@@ -284,7 +284,9 @@ class Mechanism(MechanismSiblings, Shown):
 
     @cached_property
     def idle_way(self) -> IdleWay | None:
-        """What knows where idle motions are at the ends of paths, None of joints not in the table."""
+        """What knows where idle motions are at the ends of paths; None of unknown joints."""
+        from pmjac_pin.closing.idle_way import IdleWay  # noqa: PLC0415
+
         try:
             return IdleWay(self._parts.model)
         except ArgumentError:

@@ -11,7 +11,6 @@ from pmjac_pin.batches.one_by_one import close_one
 from pmjac_pin.batches.pieces import Piece
 from pmjac_pin.batches.results import Status, Statuses
 from pmjac_pin.closing.closure import LARGEST_STEP, MOST_STEPS
-from pmjac_pin.closing.idle_way import idles
 from pmjac_pin.closing.many_idle_paths import ManyIdlePaths
 from pmjac_pin.closing.many_paths import GoOn, Paths, Walker
 from pmjac_pin.closing.path_kernel import many_paths_kernel
@@ -60,7 +59,7 @@ class Closing:
                 "--force-reinstall --no-deps pmjac_pin)"
             )
         idle = None
-        if idles(mechanism.problem.partition):
+        if mechanism.problem.partition.idles:
             idle = ManyIdlePaths(*known, *mechanism.recorded.idling)
         return cls(mechanism, Walker(*known, *tapes), lanes, idle)
 
@@ -149,9 +148,7 @@ class Closing:
         if self.idle is None:
             return walker.walk(*paths, go_on, most_steps, ends=ends).settled
 
-        def walk(
-            q: Array, displacement: Array, target: Array, ends: tuple[Array, Array]
-        ) -> Paths:
+        def walk(q: Array, displacement: Array, target: Array, ends: tuple[Array, Array]) -> Paths:
             return walker.walk(q, displacement, target, go_on, most_steps, ends=ends)
 
         return self.idle.walk(walk, *paths, ends)

@@ -33,7 +33,7 @@ from pmjac_pin.closing.closure_problem import ClosureProblem
 from pmjac_pin.kinematics.joint_steps import arriving, between
 from pmjac_pin.kinematics.tree import Link, Tree
 from pmjac_pin.rates.partition import Partition
-from pmjac_pin.values.arrays import Array, Index, norm
+from pmjac_pin.values.arrays import Array, Index, Mask, norm
 
 # Lengths, a rad counted as one:
 PIECE = 1.0  #: how far motors go before the idle motions are looked at
@@ -42,6 +42,8 @@ SETTLED = 1e-14  #: what the last step leaves, as foretold: steps square, with t
 UNRESOLVED = 1e-7  #: of a step that does not become smaller: beside a fold, it is rounding
 MOST_RETURNS = 20
 TURNED = 3.0  #: by how much ‖P‖² may grow
+
+_TAKES_PART = 1e-14  # of an idle motion: less is rounding
 
 _FLOATS = Floats()
 
@@ -52,11 +54,6 @@ def pieces_of(distance: Array) -> Index:
     Where that is a whole number, rounding does not decide.
     """
     return np.maximum(1, np.ceil(distance / PIECE - 1e-6)).astype(np.intp)
-
-
-def idles(partition: Partition) -> bool:
-    """Tell whether passive joints move that no motor moves, at every pose."""
-    return partition.passive_rank < partition.passive.size
 
 
 class IdleWay:
@@ -72,14 +69,15 @@ class IdleWay:
         A joint that is not in the table of joints.
     """
 
-    __slots__ = ("_alike",)
+    __slots__ = ("_loose", "_model")
 
     def __init__(self, model: pin.Model) -> None:
-        links = list(Tree(model).links.values())
-        kinds = {id(link.kind): link.kind for link in links}
-        self._alike = [
-            _Alike.of([link for link in links if link.kind is kind]) for kind in kinds.values()
-        ]
+        self._model, self._loose = model, list[_Alike]()
+        loose: dict[str, list[Link]] = {}
+        for link in Tree(model).links.values():
+            if link.kind.curved and link.kind.slides:
+                loose.setdefault(link.kind.name, []).append(link)
+        self._loose = [_Alike.of(links) for links in loose.values()]
 
     def settled(self, problem: ClosureProblem, start: Closed, end: Closed) -> Closed | None:
         """Return the closed pose beside the end of a path at which what idled has not moved.
@@ -115,16 +113,11 @@ class IdleWay:
         None where they are not known.
         """
         passive, scale = partition.passive, partition.column_scale
-        at_start, seen = np.zeros((len(idle), scale.size)), np.zeros((len(idle), scale.size))
-        at_start[:, passive] = idle
-        at_start /= scale
-        moved = np.zeros(len(idle))
-        for joints in self._alike:
-            way, rates = joints.way(start, point.q)
-            of_these = at_start[:, joints.columns]
-            moved += np.tensordot(of_these, way, 2)
-            seen[:, joints.columns] = np.einsum("djk,jlk->dlk", of_these, rates)
-        seen *= scale
+        takes_part = np.zeros(scale.size, dtype=bool)
+        takes_part[passive] = (np.abs(idle) > _TAKES_PART).any(axis=0)
+        way, rates = self._way(start, point.q, takes_part)
+        seen = idle.dot((rates * scale).take(passive, axis=0) / partition.passive_scale[:, None])
+        moved = idle.dot(way.take(passive) / partition.passive_scale)
         both = np.vstack([point.scaled, seen]).take(passive, axis=1)
         factors = partition.factorise(both, partition.size_of(point.scaled))
         if factors.rank < passive.size:
@@ -133,6 +126,18 @@ class IdleWay:
         back = -inverse.dot(np.concatenate([point.residual, moved]))
         condition = norm(inverse) * factors.size
         return back, norm(inverse[:, -len(idle) :]) ** 2, condition
+
+    def _way(self, start: Array, end: Array, takes_part: Mask) -> tuple[Array, Array]:
+        """Return the way from a q to another (nv,), and L (nv, nv), of what takes part."""
+        model = self._model
+        way = pin.difference(model, start, end)
+        rates = pin.dDifference(model, start, end, pin.ArgumentPosition.ARG1)
+        for joints in self._loose:  # which Pinocchio lets slide and turn at once
+            columns = joints.columns
+            if not takes_part[columns].any():
+                continue
+            way[columns], rates[columns[:, None], columns] = joints.way(start, end)
+        return way, rates
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -165,7 +170,5 @@ class _Alike:
         way = between(_FLOATS, self, start[self.entries], end[self.entries])
         count, joints = way.shape
         one_by_one = np.broadcast_to(np.eye(count)[:, :, None], (count, count, joints))
-        if not self.links[0].kind.curved:
-            return way, one_by_one
         each = np.broadcast_to(way[:, None], one_by_one.shape)
         return way, arriving(_FLOATS, self, each, one_by_one)

@@ -1,4 +1,4 @@
-"""Many paths where something idles: in pieces, at whose ends that is brought back, as `IdlePath`."""
+"""Many paths where something idles, in pieces, as `IdlePath` walks one."""
 
 from __future__ import annotations
 
@@ -90,13 +90,12 @@ class ManyIdlePaths:
         self, walk: Walk, paths: tuple[Array, Array, Array], ends: tuple[Array, Array]
     ) -> Mask:
         """Walk one piece of each path; tell which are settled."""
-        settled, arrived = walk(*paths, ends).settled, ends[1] == 1.0
+        settled: Mask = walk(*paths, ends).settled
+        arrived = ends[1] == 1.0
         found = self._return(paths[0], ends[0], arrived)
         lost = arrived & ~found
-        if lost.any():
-            ends[1][lost] = 0.0
-            return settled & ~lost
-        return settled
+        ends[1][lost] = 0.0
+        return np.asarray(settled & ~lost)
 
     def _pieces(self, displacement: Array) -> Index:
         """Return into how many pieces each path is cut: none that is too long for any steps."""

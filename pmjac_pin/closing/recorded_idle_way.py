@@ -10,13 +10,12 @@ import numpy as np
 from pmjac_pin.algebra.arrays import Numbers
 from pmjac_pin.algebra.programs import PROGRAMS, Term, objects, zeros
 from pmjac_pin.algebra.tape import Tape
-from pmjac_pin.algebra.tape_runner import run
 from pmjac_pin.closing.recorded_idle import idle_motions
 from pmjac_pin.closing.recorded_rates import RecordedRates
 from pmjac_pin.kinematics.joint_steps import arriving, between, moved_by
 from pmjac_pin.rates.sparse_qr import Triangle, norm
 from pmjac_pin.values.arrays import Mask
-from pmjac_pin.values.arrays import Array, Index
+
 
 def idle_tape(loops: RecordedRates) -> Tape:
     """Return q ↦ (‖K* N‖, ‖K*⁻¹‖, N), N a basis of null K* without dimension.
@@ -36,8 +35,7 @@ def idle_tape(loops: RecordedRates) -> Tape:
 def return_tape(loops: RecordedRates, idle: Tape) -> Tape:
     """Return (q, q₀, N₀) ↦ (gap, ‖K*⁻¹‖, ‖[K K*]‖, ‖v‖, ‖P‖², q ⊕ v).
 
-    The gap is in m; v is without dimension in its norm. Of N₀ the entries that `idle_tape`, which is
-    given, gives.
+    The gap is in m; v is without dimension in its norm. Of N₀ the entries that `idle_tape` gives.
     """
     nq, nv = loops.recorder.nq, loops.recorder.nv
 

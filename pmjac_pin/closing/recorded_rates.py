@@ -1,7 +1,8 @@
 """The rates of a mechanism at one pose as programs: φ̇ = −K*⁻¹ K θ̇, J_eq, and how certain they are.
 
 K* is taken on kept columns, as many as it has rank, independent where the ranks are from. Where
-something idles, motions are the smallest of those that differ by that (`recorded_idle`). That K* has this rank at a pose is certain where 1/‖R⁻¹‖, which is no more than its
+something idles, motions are the smallest of those that differ by that (`recorded_idle`). That K*
+has this rank at a pose is certain where 1/‖R⁻¹‖, which is no more than its
 smallest singular value, is above the rank tolerance; where it is not, nothing is said.
 """
 
@@ -112,7 +113,7 @@ class RecordedRates:
         passive, rank = partition.passive, partition.passive_rank
         columns = partition.scaled(rates)[:, passive]
         kept = read_only(passive[pivots(columns, rank)])
-        idle = idle_columns(problem, q, kept) if rank < passive.size else ()
+        idle = idle_columns(problem, q, kept) if partition.idles else ()
         return cls(recorder, partition, kept, idle, recordings or Recordings())
 
     def scaled(self, rates: Numbers) -> Numbers:
