@@ -79,7 +79,8 @@ def apart(mechanism, q, others):
     """How far poses are from others, a rad counted as one length."""
     partition = mechanism.problem.partition
     ways = [pin.difference(mechanism.model, *both) for both in zip(q, others, strict=True)]
-    return np.abs(ways / partition.column_scale).max(initial=0.0) / partition.length
+    lengths = np.reshape(ways, (-1, mechanism.nv)) / partition.column_scale
+    return np.abs(lengths).max(initial=0.0) / partition.length
 
 
 def singles(mechanism, values):
