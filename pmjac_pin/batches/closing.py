@@ -58,9 +58,8 @@ class Closing:
                 "and none was: install a C compiler, then pmjac_pin anew (pip install "
                 "--force-reinstall --no-deps pmjac_pin)"
             )
-        idle = None
-        if mechanism.problem.partition.idles:
-            idle = ManyIdlePaths(*known, *mechanism.recorded.idling)
+        idling = mechanism.recorded.idling
+        idle = None if idling is None else ManyIdlePaths(*known, *idling)
         return cls(mechanism, Walker(*known, *tapes), lanes, idle)
 
     def check(self, start: Array) -> None:
