@@ -38,7 +38,7 @@ from pmjac_pin.values.arrays import Array, Index, Mask, norm
 # Lengths, a rad counted as one:
 PIECE = 1.0  #: how far motors go before the idle motions are looked at
 LARGEST_RETURN = 0.5  #: of the first step back
-SETTLED = 1e-14  #: what the last step leaves, as foretold: steps square, with the condition of K*
+SETTLED = 1e-12  #: of the step that would be next
 UNRESOLVED = 1e-7  #: of a step that does not become smaller: beside a fold, it is rounding
 MOST_RETURNS = 20
 TURNED = 3.0  #: by how much ‖P‖² may grow
@@ -84,48 +84,38 @@ class IdleWay:
 
         None where Newton's method does not find it, or where it is too far from the start.
         """
-        partition = problem.partition
-        length, idle = partition.length, start.factors.right[partition.passive_rank :]
-        point, before = end, 2.0 * LARGEST_RETURN
+        here, before = self._seen(problem.partition, start, end), 2.0 * LARGEST_RETURN
         for _ in range(MOST_RETURNS):
-            if (found := self._back(partition, start.q, point, idle)) is None:
+            if (inverse := here.inverse()) is None:
                 return None
-            back, turned, condition = found
-            size = norm(back) / length
-            smaller = size <= 0.5 * before
-            done = condition * size**2 <= SETTLED or UNRESOLVED >= size > 0.5 * before
-            done &= point.gap <= problem.tolerance
-            if not (smaller or done):
+            back = -inverse.dot(here.error)
+            size = norm(back) / problem.partition.length
+            if not (size <= 0.5 * before or size <= UNRESOLVED):
                 return None
-            v = np.zeros(partition.column_scale.size)
-            v[partition.passive] = back * partition.passive_scale
-            point = closed_point(problem, problem.integrate(point.q, v), point.iterations + 1)
+            here = self._seen(problem.partition, start, _moved(problem, here.point, back))
+            left = norm(inverse.dot(here.error)) / problem.partition.length
+            resolved = left <= SETTLED or not size <= 0.5 * before
+            if resolved and here.point.gap <= problem.tolerance:
+                turned = norm(inverse[:, -here.idle :]) ** 2
+                return here.point if turned <= here.idle + TURNED else None
             before = size
-            if done:
-                return point if turned <= len(idle) + TURNED else None
         return None
 
-    def _back(
-        self, partition: Partition, start: Array, point: Closed, idle: Array
-    ) -> tuple[Array, float, float] | None:
-        """Return Newton's step (m_p,), without dimension, ‖P‖² and a condition of K*.
-
-        None where they are not known.
-        """
-        passive, scale = partition.passive, partition.column_scale
-        takes_part = np.zeros(scale.size, dtype=bool)
+    def _seen(self, partition: Partition, start: Closed, point: Closed) -> _Seen:
+        """Return what is known of a pose beside those that a path leads to from its start."""
+        passive, scale = partition.passive, partition.passive_scale[:, None]
+        idle = start.factors.right[partition.passive_rank :]
+        takes_part = np.zeros(partition.column_scale.size, dtype=bool)
         takes_part[passive] = (np.abs(idle) > _TAKES_PART).any(axis=0)
-        way, rates = self._way(start, point.q, takes_part)
-        seen = idle.dot((rates * scale).take(passive, axis=0) / partition.passive_scale[:, None])
-        moved = idle.dot(way.take(passive) / partition.passive_scale)
-        both = np.vstack([point.scaled, seen]).take(passive, axis=1)
-        factors = partition.factorise(both, partition.size_of(point.scaled))
-        if factors.rank < passive.size:
-            return None  # its smallest singular value is no more than that of K*
-        inverse = factors.inverse(passive.size)
-        back = -inverse.dot(np.concatenate([point.residual, moved]))
-        condition = norm(inverse) * factors.size
-        return back, norm(inverse[:, -len(idle) :]) ** 2, condition
+        way, rates = self._way(start.q, point.q, takes_part)
+        seen = idle.dot((rates * partition.column_scale).take(passive, axis=0) / scale)
+        return _Seen(
+            partition,
+            point,
+            np.vstack([point.scaled, seen]).take(passive, axis=1),
+            np.concatenate([point.residual, idle.dot(way.take(passive) / scale[:, 0])]),
+            len(idle),
+        )
 
     def _way(self, start: Array, end: Array, takes_part: Mask) -> tuple[Array, Array]:
         """Return the way from a q to another (nv,), and L (nv, nv), of what takes part."""
@@ -138,6 +128,34 @@ class IdleWay:
                 continue
             way[columns], rates[columns[:, None], columns] = joints.way(start, end)
         return way, rates
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Seen:
+    """A pose, B with N₀ᵀ L below K*, and how far the loops are open and what idles has moved.
+
+    The last d rows are those of what idles.
+    """
+
+    partition: Partition
+    point: Closed
+    both: Array
+    error: Array
+    idle: int
+
+    def inverse(self) -> Array | None:
+        """Return B⁺, None where its columns depend on each other: K* has all its rank if not."""
+        partition, columns = self.partition, self.both.shape[1]
+        factors = partition.factorise(self.both, partition.size_of(self.point.scaled))
+        return factors.inverse(columns) if factors.rank == columns else None
+
+
+def _moved(problem: ClosureProblem, point: Closed, moves: Array) -> Closed:
+    """Return the pose that moves (m_p,) of the passive joints lead to, without dimension."""
+    partition = problem.partition
+    v = np.zeros(partition.column_scale.size)
+    v[partition.passive] = moves * partition.passive_scale
+    return closed_point(problem, problem.integrate(point.q, v), point.iterations + 1)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -125,7 +125,7 @@ class ManyIdlePaths:
             told = run(self.back, inputs)
             size, good, done = self._judged(told, before)
             on = on & good
-            np.copyto(at, told[5:], where=on)
+            np.copyto(at, told[6:], where=on)
             found |= on & done
             on, before, most = on & ~done, size, most - 1
             if 2 * np.count_nonzero(on) < len(on):
@@ -139,11 +139,11 @@ class ManyIdlePaths:
     def _judged(self, told: Array, before: Array) -> tuple[Array, Mask, Mask]:
         """Return sizes of steps, which of them are good, and which are the last."""
         partition = self.problem.partition
-        gap, inverse, norm, size, turned = told[:5]
+        inverse, norm, size, turned, gap, moved = told[:6]
         size = size / partition.length
         smaller = size <= 0.5 * before
-        done = (inverse * norm * size * size <= SETTLED) | (~smaller & (size <= UNRESOLVED))
-        done &= gap <= self.problem.tolerance
-        good = (smaller | done) & RankBounds.of(partition).regular(inverse, norm)
+        left = moved + inverse * gap * (1.0 + 2.0 * np.sqrt(turned))  # with L of 2 at most
+        done = ((left <= SETTLED * partition.length) | ~smaller) & (gap <= self.problem.tolerance)
+        good = (smaller | (size <= UNRESOLVED)) & RankBounds.of(partition).regular(inverse, norm)
         good &= ~done | (turned <= partition.passive.size - partition.passive_rank + TURNED)
         return size, good, done

@@ -33,16 +33,17 @@ def idle_tape(loops: RecordedRates) -> Tape:
 
 
 def return_tape(loops: RecordedRates, idle: Tape) -> Tape:
-    """Return (q, q₀, N₀) ↦ (gap, ‖K*⁻¹‖, ‖[K K*]‖, ‖v‖, ‖P‖², q ⊕ v).
+    """Return (q, q₀, N₀) ↦ (‖K*⁻¹‖, ‖[K K*]‖, ‖v‖, ‖P‖², gap, ‖N (N₀ᵀ L N)⁻¹ N₀ᵀ x‖, q ⊕ v).
 
-    The gap is in m; v is without dimension in its norm. Of N₀ the entries that `idle_tape` gives.
+    The gap, m, and x are those at q ⊕ v; norms are without dimension. Of N₀ the entries that
+    `idle_tape` gives.
     """
-    nq, nv = loops.recorder.nq, loops.recorder.nv
+    nq, nv, tree = loops.recorder.nq, loops.recorder.nv, loops.recorder.tree
 
     def make(inputs: Sequence[Term]) -> list[Any]:
         q, start, given = np.split(objects(inputs), [nq, 2 * nq])
         kinematics = loops.recorder.at(q.tolist())
-        matrix = loops.scaled(kinematics.rates)
+        matrix, scale = loops.scaled(kinematics.rates), loops.partition.column_scale
         error = kinematics.residual * loops.partition.row_scale
         kept, on_loops = loops.kept, zeros(nv, 1)
         triangle = Triangle.of(np.column_stack([matrix[:, kept], error]), kept.size)
@@ -50,10 +51,15 @@ def return_tape(loops: RecordedRates, idle: Tape) -> Tape:
         motions, _ = idle_motions(matrix, loops.idle)
         at_start = motions.copy()
         at_start[_changing(motions)] = given
-        back, turned = _back(loops, (start, q), on_loops, motions, at_start)
-        ahead = moved_by(PROGRAMS, loops.recorder.tree, q, back * loops.partition.column_scale)
-        known = [loops.gap(kinematics), triangle.inverse_norm(), norm(matrix)]
-        return [*known, norm(back), turned, *ahead]
+        back, inverse = _back(loops, (start, q), on_loops, motions, at_start)
+        # ‖N G⁻¹ N₀ᵀ‖² by small products.
+        squares = inverse @ (at_start.T @ at_start) @ inverse.T
+        turned = np.trace((motions.T @ motions) @ squares)
+        ahead = moved_by(PROGRAMS, tree, q, back * scale)
+        gap = loops.gap(loops.recorder.at(ahead.tolist()))
+        left = inverse @ (at_start.T @ (between(PROGRAMS, tree, start, ahead) / scale))
+        sizes = [triangle.inverse_norm(), norm(matrix), norm(back), turned]
+        return [*sizes, gap, norm(motions @ left), *ahead]
 
     return loops.recordings.tape("return", 2 * nq + idle.outputs - 2, make)
 
@@ -69,8 +75,8 @@ def _back(
     on_loops: Numbers,
     idle: Numbers,
     at_start: Numbers,
-) -> tuple[Numbers, Any]:
-    """Return Newton's step (nv,), without dimension, and ‖P‖²."""
+) -> tuple[Numbers, Numbers]:
+    """Return Newton's step (nv,), without dimension, and (N₀ᵀ L N)⁻¹."""
     scale, tree, count = loops.partition.column_scale[:, None], loops.recorder.tree, idle.shape[1]
     way = between(PROGRAMS, tree, *poses)[:, None]
     motions = np.hstack([on_loops, idle]) * scale
@@ -79,7 +85,4 @@ def _back(
     seen = at_start.T @ (rates / scale)
     sides = np.hstack([seen[:, 1:], seen[:, :1], np.eye(count)])
     solved = Triangle.of(sides, count).solve(range(count, sides.shape[1]))
-    back, inverse = on_loops - idle @ solved[:, :1], solved[:, 1:]
-    # ‖N G⁻¹ N₀ᵀ‖² by small products.
-    turned = np.trace((idle.T @ idle) @ (inverse @ (at_start.T @ at_start) @ inverse.T))
-    return back[:, 0], turned
+    return (on_loops - idle @ solved[:, :1])[:, 0], solved[:, 1:]
