@@ -53,7 +53,8 @@ def close(
     singular. `docs/closing_loops.md` says what this rests on: with joints that are not known
     (composite, universal), the three poses alone. With more motors than freedom, as many
     as may move at will walk straight, and the values of the others must fit at the end; an
-    error says first how the loops tie them.
+    error says first how the loops tie them. What idles, as a rod that spins about itself, ends
+    where it has not moved from the guess, whatever the steps were (`docs/closing_loops.md`).
 
     Parameters
     ----------
