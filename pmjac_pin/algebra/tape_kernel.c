@@ -12,7 +12,9 @@ enum {
 };
 
 /* Quarters of a turn are taken off in three parts of pi/2 (fdlibm's), exactly for |x| < LARGE. */
+#ifndef LARGE
 #define LARGE 1e5
+#endif
 INLINE void wave(
     const double *x, double *wave_of, int quarter)
 {

@@ -15,6 +15,7 @@ from pmjac_pin.model.frames import Frame
 from pmjac_pin.model.linkage import Edge, edges_of
 from pmjac_pin.model.loop_spec import JointLoop
 from pmjac_pin.studies.modes.box_domain import NoBoxesError, box_domain
+from pmjac_pin.studies.modes.box_equations import BoxEquations
 from pmjac_pin.studies.modes.floating_body import (
     FloatingInPlane,
     FloatingTriangle,
@@ -24,6 +25,7 @@ from pmjac_pin.studies.modes.floating_body import (
 )
 from pmjac_pin.studies.modes.interval_loops import BoxRows, IntervalLoops, PairRows, tolerances
 from pmjac_pin.studies.modes.interval_tree import IntervalTree
+from pmjac_pin.studies.modes.recorded_loops import recorded
 from pmjac_pin.values.arrays import Array, Mask
 
 _FREE = 6  # freedoms of a body that nothing holds
@@ -46,7 +48,7 @@ class BoxProblem:
     ----------
     names : tuple of str
         The unknowns: passive joints of one degree of freedom.
-    loops : IntervalLoops
+    loops : BoxEquations
     domain : Intervals, shape (k,)
         All values that the unknowns can have; for angles without limits, one full turn.
     endless : ndarray of bool, shape (k,)
@@ -57,7 +59,7 @@ class BoxProblem:
     """
 
     names: tuple[str, ...]
-    loops: IntervalLoops
+    loops: BoxEquations
     domain: Intervals
     endless: Mask
     scale: Array
@@ -100,7 +102,7 @@ def box_problem(mechanism: Mechanism, motors: Mapping[str, float], limits: bool)
     slides = np.array([not edges[name].kind.turns for name in names], dtype=bool)
     return BoxProblem(
         names=names,
-        loops=IntervalLoops(tree, rows),
+        loops=recorded(IntervalLoops(tree, rows)),
         domain=domain,
         endless=endless,
         scale=np.where(slides, partition.length, 1.0),
