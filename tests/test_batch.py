@@ -60,7 +60,8 @@ def test_the_same_as_one_by_one(name, share, rng):
     # The single call is made where the program does not know: hardly ever, but for the last two
     # paths that are long.
     start = np.tile(mechanism.home.q, (count, 1))
-    settled = many._closing.together(start, values, (np.empty_like(start), np.empty(count)))
+    ends = np.empty_like(start), np.empty(count)
+    settled = many._closing.together(start, values, ends).settled
     assert np.count_nonzero(~settled) <= max(2, 0.1 * count)
     for k, (end, q) in enumerate(single(mechanism, one) for one in values):
         assert poses.share[k] == pytest.approx(end, abs=1e-6)

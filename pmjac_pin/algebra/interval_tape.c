@@ -58,8 +58,8 @@ INLINE void wave_between(const Row *angle, Row *result, int quarter)
 {
     double top = quarter ? 0.0 : 0.25;
     Ends at;
-    wave(angle[0], at[0], quarter);
-    wave(angle[1], at[1], quarter);
+    wave(angle[0], at[0], quarter, LANES);
+    wave(angle[1], at[1], quarter, LANES);
     EACH {
         double from = angle[0][i] * 0.15915494309189535 - top - TURN_SLACK;
         double to = angle[1][i] * 0.15915494309189535 - top + TURN_SLACK;

@@ -31,7 +31,6 @@ from pmjac_pin.batches.results import (
     Statuses,
     shapes_of,
 )
-from pmjac_pin.closing.motor_values import motor_table
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import ArgumentError, quoted
 from pmjac_pin.mechanism import Mechanism
@@ -89,7 +88,7 @@ class Batch:
         installed.
     """
 
-    _last_guess: tuple[Configuration | None, Array] = (None, np.empty(0))
+    _last_guess: tuple[Configuration | None, Array, Array] = (None, np.empty(0), np.empty((0, 0)))
 
     def __init__(self, mechanism: Mechanism, *, compiled: bool = False) -> None:
         self.mechanism = mechanism
@@ -140,7 +139,7 @@ class Batch:
         ClosureError
             A guess that is not closed.
         """
-        values = motor_table(self.mechanism.spec, self.mechanism.coordinates, actuated)
+        values = self.mechanism.motors.table(actuated)
         whose, (start, known) = enforced(enforce_limits), self._start(guess, len(values))
 
         def work(piece: Piece, *found: Any) -> None:
@@ -346,7 +345,7 @@ class Batch:
         def checked(piece: Piece, *found: Any) -> None:
             work(piece, self._checked(poses[piece.at]), *found)
 
-        shapes = shapes_of(kind, len(poses), len(self.mechanism.actuated))
+        shapes = shapes_of(kind, len(poses), len(self.mechanism.actuated))  # type: ignore[arg-type]
         return gathered(kind, shapes, checked, how)
 
     def _rates(self, tape: Tape) -> ManyRates:
@@ -364,20 +363,21 @@ class Batch:
         if isinstance(guess, str):
             guess = self.mechanism.pose(guess)
         if isinstance(guess, Configuration):
-            q = self._of_guess(guess)
-            return np.broadcast_to(q, (count, q.size)), True
+            return self._of_guess(guess, count), True
         start = self._poses(guess)
         if len(start) != count:
             raise ArgumentError(f"{count} guesses expected, one for each target; got {len(start)}")
         return start, False
 
-    def _of_guess(self, guess: Configuration) -> Array:
-        """Return its q, seen to be closed in this mechanism; the last one is known."""
-        known, q = self._last_guess
+    def _of_guess(self, guess: Configuration, count: int) -> Array:
+        """Return its q, seen to be closed in this mechanism, as rows; the last ones are known."""
+        known, q, rows = self._last_guess
         if known is not guess:
             q = self.mechanism.configuration(guess.q).q
-            self._last_guess = guess, q
-        return q
+        if known is not guess or len(rows) != count:
+            rows = np.broadcast_to(q, (count, q.size))
+            self._last_guess = guess, q, rows
+        return rows
 
     def _poses(self, q: Any) -> Array:
         """Return q as rows, which are `_checked` piece by piece."""

@@ -107,13 +107,14 @@ def gathered(
     ArgumentError, Interrupted
     """
     check_callable(how.progress, "progress")
-    threads, out = thread_count(how.threads), how.out
-    found = empty_arrays(shapes) if out is None else memory_of(out, kind, shapes, how.given)
+    threads, result = thread_count(how.threads), how.out
+    if result is None:
+        found = empty_arrays(shapes)
+        result = kind(**{name: sealed(array) for name, array in found.items()}, **more)
+    else:
+        found = memory_of(result, kind, shapes, how.given)
+        result.__post_init__(**more)
     filling = _Filling(list(found.values()), work)
-    result = kind(**{name: sealed(array) for name, array in found.items()}, **more)
-    if out is not None:
-        vars(out).update(vars(result))
-        result = out
     try:
         filling.fill(threads, how.progress)
     except BaseException as stopped:
