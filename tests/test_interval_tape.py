@@ -148,6 +148,13 @@ def test_what_overflows_bounds_nothing_that_comes_of_it(value):
         assert result.meets(Intervals.exact([5.0])).all()
 
 
+def test_nothing_bounds_what_has_no_end():
+    """0 times [−∞, 0] may be 0, but where an end overflowed nothing else is looked at."""
+    low, huge, nothing = Intervals(np.array([-1e200]), np.zeros(1)), [1e200], [0.0]
+    result = over(lambda x, w, y: (x * w) * y, low, *map(Intervals.exact, (huge, nothing)))
+    assert np.isnan(result.lower).all()
+
+
 def test_one_box_that_overflows_spoils_no_other():
     boxes = Intervals.exact([1.0, 1e200, 2.0])
     result = over(lambda x: x * x, boxes)

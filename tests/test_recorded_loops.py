@@ -15,7 +15,7 @@ from pmjac_pin.studies.modes import recorded_loops
 from pmjac_pin.studies.modes.box_domain import NoBoxesError
 from pmjac_pin.studies.modes.box_equations import DROPPED
 from pmjac_pin.studies.modes.pruning_kernel import pruning_kernel
-from pmjac_pin.studies.modes.recorded_loops import RecordedLoops
+from pmjac_pin.studies.modes.recorded_loops import RecordedLoops, recorded
 
 pytestmark = pytest.mark.skipif(pruning_kernel() is None, reason="no kernel was built")
 
@@ -56,14 +56,14 @@ class Exact(Balls):
 @pytest.fixture
 def both(monkeypatch):
     """The equations of a mechanism, recorded and not, and all values of its unknowns."""
-    monkeypatch.setattr(problems, "recorded", lambda loops: loops)
+    monkeypatch.setattr(problems, "RecordedLoops", lambda program, loops: loops)
 
     def of(name, motors=None):
         mechanism = loaded(name)
         values = np.array(SERVED[name] if motors is None else motors)
         given = problems.given_values(mechanism, values)
         problem = problems.box_problem(mechanism, given, False)
-        return RecordedLoops(pruning_kernel(), problem.loops), problem
+        return RecordedLoops(recorded(problem.loops), problem.loops), problem
 
     return of
 
@@ -155,7 +155,7 @@ def test_boxes_are_as_narrow_as_without_the_kernel(name, both, rng):
 def test_every_kind_of_loop_and_of_joint(model, kind, size, rng):
     """Screws, slides and turns about slanted axes; the rows of each kind; half turns off."""
     known = interval_loops(model, LOOPS[kind])
-    loops = RecordedLoops(pruning_kernel(), known)
+    loops = RecordedLoops(recorded(known), known)
     middle = rng.uniform(-4, 4, (20, len(known.tree.unknowns)))
     half = size * rng.random(middle.shape)
     boxes = Intervals(middle - half, middle + half)
@@ -167,8 +167,8 @@ def test_every_kind_of_loop_and_of_joint(model, kind, size, rng):
 
 
 @pytest.mark.parametrize("name", SERVED)
-@pytest.mark.parametrize("recorded", [True, False])
-def test_no_point_is_dropped_whose_rows_are_within_tolerance(name, recorded, both, rng):
+@pytest.mark.parametrize("by_kernel", [True, False])
+def test_no_point_is_dropped_whose_rows_are_within_tolerance(name, by_kernel, both, rng):
     """With tolerances so wide that points anywhere count as closed."""
     _, problem = both(name)
     for size in SIZES:
@@ -180,7 +180,9 @@ def test_no_point_is_dropped_whose_rows_are_within_tolerance(name, recorded, bot
             closed = (rows < 0.999 * tolerance).all(axis=1)
             closed &= problem.loops.evaluate(Intervals.exact(points)).possible
             problem.loops.tolerance = tolerance
-            one = RecordedLoops(pruning_kernel(), problem.loops) if recorded else problem.loops
+            one = problem.loops
+            if by_kernel:
+                one = RecordedLoops(recorded(one), one)
             narrowed, cuts = one.narrowed(boxes, problem.scale, 0.6)
             assert (cuts[closed] != DROPPED).all()
             assert narrowed.holds(points)[closed].all()
@@ -251,7 +253,7 @@ def test_a_box_is_narrowed_alike_however_many_there_are(count, both, rng):
 def test_a_proof_is_the_same_without_the_kernel(name, motors, monkeypatch):
     ours = pj.prove(loaded(name), motors, limits=False)
     monkeypatch.setattr(recorded_loops, "pruning_kernel", lambda: None)
-    theirs = pj.prove(loaded(name), motors, limits=False)
+    theirs = pj.prove(pj.load(name), motors, limits=False)
     assert bool(ours) == bool(theirs)
     assert len(ours.enclosures) == len(theirs.enclosures)
     found = [ours.match(one.mode.middle)[0] for one in theirs.enclosures]

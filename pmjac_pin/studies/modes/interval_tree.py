@@ -7,8 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 
-import pinocchio as pin
-
 from pmjac_pin.algebra import Number
 from pmjac_pin.algebra.boxes import BOXES
 from pmjac_pin.algebra.intervals import Intervals
@@ -21,7 +19,7 @@ class IntervalTree:
 
     Parameters
     ----------
-    model : pin.Model
+    tree : Tree
     unknowns : sequence of str
         Joints of one degree of freedom: the columns of a box.
     given : mapping of str to float
@@ -38,10 +36,8 @@ class IntervalTree:
 
     __slots__ = ("_places", "columns", "given", "tree", "unknowns")
 
-    def __init__(
-        self, model: pin.Model, unknowns: Sequence[str], given: Mapping[str, float]
-    ) -> None:
-        self.tree = Tree(model)
+    def __init__(self, tree: Tree, unknowns: Sequence[str], given: Mapping[str, float]) -> None:
+        self.tree = tree
         self.unknowns, self.given = tuple(unknowns), given
         self._places = {name: place for place, name in enumerate(unknowns)}
         columns = {link.edge.name: link.column for link in self.tree.links.values()}

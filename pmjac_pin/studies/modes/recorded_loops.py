@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -13,30 +14,60 @@ from pmjac_pin.algebra.intervals import Intervals
 from pmjac_pin.algebra.programs import zeros
 from pmjac_pin.algebra.recorded_boxes import RecordedBoxes
 from pmjac_pin.algebra.tape import Tape
-from pmjac_pin.studies.modes.box_equations import BoxEquations, Cuts, Enclosed
+from pmjac_pin.studies.modes.box_equations import Cuts, Enclosed
 from pmjac_pin.studies.modes.interval_loops import IntervalLoops
 from pmjac_pin.studies.modes.pruning_kernel import LoopsInLanes, enclosed, pruning_kernel
 from pmjac_pin.values.arrays import Array
 
 
-def recorded(loops: IntervalLoops) -> BoxEquations:
-    """Return the same equations, as a program where a kernel was built that runs it.
+@dataclass(frozen=True, slots=True, eq=False)
+class BoxProgram:
+    """The equations of a mechanism over boxes of its unknowns, whatever its motors' values.
+
+    Attributes
+    ----------
+    library : ctypes.CDLL
+        The kernel that runs it.
+    fixed : Tape
+        What is the same for all boxes: of 0 for each unknown, the motors' values and `constants`.
+    whole, values : Tape
+        Of the unknowns and what is fixed, as `LoopsInLanes` has them.
+    constants : Intervals
+    """
+
+    library: ctypes.CDLL
+    fixed: Tape
+    whole: Tape
+    values: Tape
+    constants: Intervals
+
+
+def recorded(loops: IntervalLoops) -> BoxProgram | None:
+    """Return equations as a program, None where no kernel was built that runs it.
 
     To record them takes about as long as to enclose them once without the kernel.
     """
     kernel = pruning_kernel()
-    return loops if kernel is None else RecordedLoops(kernel, loops)
+    if kernel is None:
+        return None
+    unknowns = len(loops.places)
+    boxes = RecordedBoxes(unknowns + len(loops.tree.given))
+    residual, jacobian, cosines = _recorded(boxes, loops)
+    outputs = [*residual, *jacobian.ravel(), *cosines]
+    fixed, later, outputs = apart(boxes.recording, unknowns, outputs)
+    values = Tape.of(later, outputs[: len(residual)])
+    whole, before = Tape.of(later, outputs), Tape.of(boxes.recording, fixed)
+    return BoxProgram(kernel, before, whole, values, boxes.constants)
 
 
 class RecordedLoops:
-    """All equations of a mechanism over boxes (b, k) of its unknowns, recorded.
+    """All equations of a mechanism over boxes (b, k) of its unknowns, by their program.
 
     Parameters
     ----------
-    library : ctypes.CDLL
-        The kernel.
+    program : BoxProgram
     loops : IntervalLoops
-        The same, not recorded.
+        The same, not recorded, at the motors' values.
 
     Attributes
     ----------
@@ -48,22 +79,12 @@ class RecordedLoops:
 
     __slots__ = ("_lanes", "_unknowns", "names", "tolerance")
 
-    def __init__(self, library: ctypes.CDLL, loops: IntervalLoops) -> None:
+    def __init__(self, program: BoxProgram, loops: IntervalLoops) -> None:
         self.names, self.tolerance = loops.names, loops.tolerance
-        self._unknowns = len(loops.places)
-        boxes = RecordedBoxes(self._unknowns + len(loops.tree.given))
-        residual, jacobian, cosines = _recorded(boxes, loops)
-        outputs = [*residual, *jacobian.ravel(), *cosines]
-        fixed, later, outputs = apart(boxes.recording, self._unknowns, outputs)
-        known = Intervals.exact([0.0] * self._unknowns + list(loops.tree.given.values()))
-        given = Intervals.join([known, boxes.constants])
-        self._lanes = LoopsInLanes(
-            library,
-            Tape.of(later, outputs),
-            Tape.of(later, outputs[: len(residual)]),
-            enclosed(library, Tape.of(boxes.recording, fixed), given),
-            self.tolerance,
-        )
+        self._unknowns, library = len(loops.places), program.library
+        motors = Intervals.exact([0.0] * self._unknowns + list(loops.tree.given.values()))
+        given = enclosed(library, program.fixed, Intervals.join([motors, program.constants]))
+        self._lanes = LoopsInLanes(library, program.whole, program.values, given, self.tolerance)
 
     def evaluate(self, box: Intervals) -> Enclosed:
         """Return all rows and their derivatives by all unknowns."""
