@@ -21,8 +21,9 @@ _Count, _Pointer = ctypes.c_int64, ctypes.c_void_p
 def pruning_kernel() -> ctypes.CDLL | None:
     """Return the kernel, None where none was built; it lets other threads run."""
     folder = "studies/modes"
-    sources = (f"{folder}/pruning_kernel.c", "algebra/interval_tape.c", "algebra/tape_kernel.c")
-    return loaded(f"{folder}/_pruning_kernel.so", *sources, "algebra/lanes.h")
+    own = (f"{folder}/{name}" for name in ("pruning_kernel.c", "boxes_in_lanes.h", "narrowing.h"))
+    tapes = ("algebra/interval_tape.c", "algebra/tape_kernel.c", "algebra/lanes.h")
+    return loaded(f"{folder}/_pruning_kernel.so", *own, *tapes)
 
 
 class _Program(ctypes.Structure):
