@@ -10,10 +10,12 @@ from test_interval_loops import LOOPS, interval_loops, model
 import pmjac_pin as pj
 from pmjac_pin.algebra.balls import Balls, exactly, precise
 from pmjac_pin.algebra.intervals import Intervals
+from pmjac_pin.algebra.jets import Jet
 from pmjac_pin.studies.modes import box_problem as problems
 from pmjac_pin.studies.modes import recorded_loops
 from pmjac_pin.studies.modes.box_domain import NoBoxesError
 from pmjac_pin.studies.modes.box_equations import DROPPED
+from pmjac_pin.studies.modes.interval_loops import IntervalLoops
 from pmjac_pin.studies.modes.pruning_kernel import pruning_kernel
 from pmjac_pin.studies.modes.recorded_loops import RecordedLoops, recorded
 
@@ -166,8 +168,24 @@ def test_every_kind_of_loop_and_of_joint(model, kind, size, rng):
     np.testing.assert_array_equal(enclosed.possible, theirs.possible)
 
 
-@pytest.mark.parametrize("name", SERVED)
-@pytest.mark.parametrize("by_kernel", [True, False])
+def test_rows_that_divide_by_doubles_are_not_recorded(model):
+    """A kind from elsewhere may do so: 1 / 3 would be rounded before any interval is there."""
+
+    class Third(IntervalLoops):
+        def at(self, poses):
+            (rows, *others), cosines = super().at(poses)
+            third = Jet(rows.algebra, rows.value / 3.0, rows.rates, rows.columns)
+            return [third, *others], cosines
+
+    known = interval_loops(model, LOOPS["point"])
+    assert recorded(known) is not None
+    assert recorded(Third(known.tree, known._rows)) is None
+
+
+@pytest.mark.parametrize(
+    ("name", "by_kernel"),
+    [(name, True) for name in SERVED] + [(name, False) for name in ("slider_crank", "three_rps")],
+)
 def test_no_point_is_dropped_whose_rows_are_within_tolerance(name, by_kernel, both, rng):
     """With tolerances so wide that points anywhere count as closed."""
     _, problem = both(name)

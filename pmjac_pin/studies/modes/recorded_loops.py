@@ -45,7 +45,8 @@ class BoxProgram:
 def recorded(loops: IntervalLoops) -> BoxProgram | None:
     """Return equations as a program, None where no kernel was built that runs it.
 
-    To record them takes about as long as to enclose them once without the kernel.
+    To record them takes about as long as to enclose them once without the kernel. None, too, where
+    rows of a kind from elsewhere have doubles in them that may have been rounded.
     """
     kernel = pruning_kernel()
     if kernel is None:
@@ -57,6 +58,8 @@ def recorded(loops: IntervalLoops) -> BoxProgram | None:
     fixed, later, outputs = apart(boxes.recording, unknowns, outputs)
     values = Tape.of(later, outputs[: len(residual)])
     whole, before = Tape.of(later, outputs), Tape.of(boxes.recording, fixed)
+    if not all(float(x).is_integer() for tape in (before, whole) for x in tape.constants):
+        return None
     return BoxProgram(kernel, before, whole, values, boxes.constants)
 
 
