@@ -5,8 +5,8 @@ measures, those of K* and the tool's pose come as well. Targets are drawn around
 take the same ones in turn, the loop a part of them. Then two threads beside one, over as many poses
 and over ten times as many. Ratios are what counts: what one thread takes is counted in seconds of
 the processor, so that others' work is not; two threads need two cores that nobody else works on,
-and fill results that are there. The single calls are those by Pinocchio and singular values, as before a program is
-recorded. Compiled programs are made before, and kept in the user's cache.
+and fill results that are there. The single calls are those by Pinocchio and singular values, as
+before a program is recorded. Compiled programs are made before, and kept in the user's cache.
 """
 
 from __future__ import annotations
