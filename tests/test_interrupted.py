@@ -14,7 +14,7 @@ import pytest
 
 import pmjac_pin as pj
 from pmjac_pin.batches.closing import Closing
-from pmjac_pin.batches.pieces import PIECE, Manner, gathered, pieces_of
+from pmjac_pin.batches.pieces import PIECE, Manner, Wanted, gathered, pieces_of
 from pmjac_pin.batches.results import shapes_of
 
 COUNT = 40_000
@@ -29,6 +29,10 @@ def stop_at(most):
             raise KeyboardInterrupt
 
     return progress
+
+
+def wanted(count):
+    return Wanted(pj.ManyJacobians, shapes_of(pj.ManyJacobians, count, 1))
 
 
 @pytest.fixture(scope="module")
@@ -160,7 +164,7 @@ def test_nobody_waits_for_a_piece_that_takes_long(threads):
 
     threading.Thread(target=interrupt).start()
     with pytest.raises(pj.Interrupted, match="0 of 5000 poses") as raised:
-        gathered(pj.ManyJacobians, shapes_of(pj.ManyJacobians, 5000, 1), work, Manner(threads))
+        gathered(wanted(5000), work, Manner(threads))
     stop.set()
     assert (raised.value.done.status == pj.Status.NOT_DONE).all()
 
@@ -181,7 +185,7 @@ def test_what_is_raised_is_of_the_first_piece_that_fails(later):
             raise ValueError("first")
 
     with pytest.raises(ValueError, match="first"):
-        gathered(pj.ManyJacobians, shapes_of(pj.ManyJacobians, count, 1), work, Manner(2))
+        gathered(wanted(count), work, Manner(2))
 
 
 @pytest.mark.parametrize("threads", [1, 2, 5])
@@ -191,10 +195,7 @@ def test_progress_tells_of_all_in_the_end(threads):
     def work(piece, J_eq, status):
         J_eq[:], status[:] = piece.at.start, 0
 
-    shapes = shapes_of(pj.ManyJacobians, count, 1)
-    found = gathered(
-        pj.ManyJacobians, shapes, work, Manner(threads, lambda *given: told.append(given))
-    )
+    found = gathered(wanted(count), work, Manner(threads, lambda *given: told.append(given)))
     for piece in pieces_of(count):
         assert (found.J_eq[piece] == piece.start).all()
     assert told[-1] == (count, count)

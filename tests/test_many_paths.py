@@ -147,7 +147,7 @@ class ShortSteps:
         """η and K* on the columns that the program keeps."""
         problem = self.mechanism.problem
         residual, jacobian = problem.evaluate(q)
-        kept = pj.batch(self.mechanism)._recorded.rates.kept
+        kept = self.mechanism.recorded.rates.kept
         scaled = problem.partition.scaled(jacobian)
         return residual * problem.partition.row_scale, scaled[:, kept]
 

@@ -66,12 +66,12 @@ PieceWork: TypeAlias = Callable[..., object]
 
 
 @dataclass(frozen=True, slots=True)
-class Manner(Generic[Results]):
+class Manner:
     """How many poses are computed.
 
     Attributes
     ----------
-    threads, progress, out
+    threads, progress
         As of `Batch.close`.
     given : tuple of ndarray
         What is read while results are filled.
@@ -79,18 +79,11 @@ class Manner(Generic[Results]):
 
     threads: int | None = None
     progress: Progress | None = None
-    out: Results | None = None
     given: tuple[Array, ...] = ()
 
 
-def gathered(
-    kind: type[Results],
-    shapes: Mapping[str, tuple[int, ...]],
-    work: PieceWork,
-    how: Manner[Results],
-    **more: Any,
-) -> Results:
-    """Return results of many poses.
+class Wanted(Generic[Results]):
+    """Results of many poses that are wanted.
 
     Parameters
     ----------
@@ -98,36 +91,83 @@ def gathered(
         A dataclass of arrays, one of which is called `status`.
     shapes : mapping of str to tuple of int
         Of its arrays, by their names.
-    work : callable
-        Fills the arrays of a piece, ``work(piece, *parts)``, in that order. Where the pieces end
-        depends on the number of poses alone.
-    how : Manner
+    out : Results, optional
+        To be filled again.
     **more
         What the results are made with besides their arrays.
+    """
+
+    __slots__ = ("_kind", "_more", "_out", "_shapes")
+
+    def __init__(
+        self,
+        kind: type[Results],
+        shapes: Mapping[str, tuple[int, ...]],
+        out: Results | None = None,
+        **more: Any,
+    ) -> None:
+        self._kind, self._shapes, self._out, self._more = kind, shapes, out, more
+
+    def taken(self, given: Sequence[Array]) -> tuple[Results, dict[str, NDArray[Any]]]:
+        """Return the results and the arrays that they show, which nobody else fills.
+
+        Raises
+        ------
+        ArgumentError
+            Results that cannot be filled again, while this is read.
+        """
+        if self._out is None:
+            arrays = empty_arrays(self._shapes)
+            shown = {name: sealed(array) for name, array in arrays.items()}
+            return self._kind(**shown, **self._more), arrays
+        arrays = memory_of(self._out, self._kind, self._shapes, given)
+        self._out.__post_init__(**self._more)
+        return self._out, arrays
+
+
+def gathered(wanted: Wanted[Results], work: PieceWork, how: Manner) -> Results:
+    """Return results of many poses.
+
+    Parameters
+    ----------
+    wanted : Wanted
+    work : callable
+        Fills the arrays of a piece, ``work(piece, *parts)``, in their order. Where the pieces end
+        depends on the number of poses alone.
+    how : Manner
 
     Raises
     ------
     ArgumentError, Interrupted
     """
-    check_callable(how.progress, "progress")
-    threads, result = thread_count(how.threads), how.out
-    if result is None:
-        found = empty_arrays(shapes)
-        result = kind(**{name: sealed(array) for name, array in found.items()}, **more)
-    else:
-        found = memory_of(result, kind, shapes, how.given)
-        result.__post_init__(**more)
-    filling = _Filling(list(found.values()), work)
-    try:
-        filling.fill(threads, how.progress)
-    except BaseException as stopped:
-        told = f"{filling.blank()} of {filling.count} poses"
-        if isinstance(stopped, KeyboardInterrupt):
-            raise interrupted(told, result) from None
-        raise
-    finally:
-        note_memory(result, found)
+    result: Results
+    (result,) = gathered_together((wanted,), work, how)
     return result
+
+
+def gathered_together(
+    wanted: Sequence[Wanted[Any]], work: PieceWork, how: Manner
+) -> tuple[Any, ...]:
+    """Return several results of the same poses, each piece of all of them at a time."""
+    check_callable(how.progress, "progress")
+    threads, taken = thread_count(how.threads), list[tuple[Any, dict[str, NDArray[Any]]]]()
+    try:
+        for one in wanted:
+            taken.append(one.taken(how.given))
+        results = tuple(result for result, _ in taken)
+        filling = _Filling([array for _, arrays in taken for array in arrays.values()], work)
+        try:
+            filling.fill(threads, how.progress)
+        except BaseException as stopped:
+            told = f"{filling.blank()} of {filling.count} poses"
+            if isinstance(stopped, KeyboardInterrupt):
+                done = results if len(results) > 1 else results[0]
+                raise interrupted(told, done) from None
+            raise
+    finally:
+        for result, arrays in taken:
+            note_memory(result, arrays)
+    return results
 
 
 def pieces_of(count: int) -> list[slice[int, int, None]]:
