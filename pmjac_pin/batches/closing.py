@@ -14,7 +14,7 @@ from pmjac_pin.closing.closure import LARGEST_STEP, MOST_STEPS
 from pmjac_pin.closing.many_paths import GoOn, Paths, Walker
 from pmjac_pin.closing.path_kernel import many_paths_kernel
 from pmjac_pin.closing.paths_in_lanes import PathsInLanes
-from pmjac_pin.errors import MissingDependencyError
+from pmjac_pin.errors import ClosureError, MissingDependencyError
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.limits import beyond_limits
 from pmjac_pin.values.arrays import Array, Mask
@@ -56,16 +56,20 @@ class Closing:
             )
         return cls(mechanism, Walker(*known, *tapes), lanes)
 
-    def check(self, start: Array) -> None:
-        """Raise ClosureError where the loops of one of some poses are open."""
+    def is_open(self, start: Array) -> Mask:
+        """Tell at which of some q the loops are open."""
         if self.walker is None:
-            for q in start:
-                self.mechanism.configuration(q)
-            return
+            return np.array([self._is_open(q) for q in start], dtype=bool)
         at_rest = np.zeros((len(self.mechanism.actuated), len(start)))
         gap = self.walker.at(start.T, at_rest).gap
-        for index in np.flatnonzero(gap > self.mechanism.problem.tolerance)[:1].tolist():
-            self.mechanism.configuration(start[index])  # says how far the loops are open
+        return np.asarray(gap > self.mechanism.problem.tolerance)
+
+    def _is_open(self, q: Array) -> bool:
+        try:
+            self.mechanism.configuration(q)
+        except ClosureError:
+            return True
+        return False
 
     def close(
         self,

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmjac_pin.batches.filled_again import memory_of, note_memory
-from pmjac_pin.batches.results import Status, empty_arrays
+from pmjac_pin.batches.results import Status, empty_arrays, say_nothing
 from pmjac_pin.errors import ArgumentError, Interrupted, quoted
 from pmjac_pin.values.arrays import Array, Mask, ReadOnlyArrays, sealed
 from pmjac_pin.values.checks import check_callable
@@ -228,10 +228,8 @@ class _Filling:
 
     def blank(self) -> int:
         """Say of the pieces that are left that they are not done; return how many poses are."""
-        for array in self._found:
-            nothing = np.nan if array.dtype == np.float64 else Status.NOT_DONE
-            for piece in self._left.values():
-                array[piece] = nothing
+        for piece in self._left.values():
+            say_nothing(self._found, piece, Status.NOT_DONE)
         return self.count - sum(piece.stop - piece.start for piece in self._left.values())
 
     def _help(self, at_rest: Event) -> None:
