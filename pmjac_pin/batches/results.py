@@ -12,6 +12,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from pmjac_pin.batches.memory_left import LARGE, in_memory_left
 from pmjac_pin.errors import ArgumentError
 from pmjac_pin.model.coordinates import JointCoordinates
 from pmjac_pin.model.limits import beyond_limits
@@ -193,10 +194,13 @@ def shapes_of(kind: type[ManyJacobians], count: int, motors: int) -> Mapping[str
 
 def empty_arrays(shapes: Mapping[str, tuple[int, ...]]) -> dict[str, NDArray[Any]]:
     """Return arrays of results that are to be filled: statuses, and numbers."""
-    return {
+    arrays: dict[str, NDArray[Any]] = {
         name: np.empty(shape, dtype=np.int8 if name == "status" else np.float64)
         for name, shape in shapes.items()
     }
+    if sum(array.nbytes for array in arrays.values()) < LARGE:
+        return arrays
+    return {name: in_memory_left(array) for name, array in arrays.items()}
 
 
 def say_nothing(found: Sequence[NDArray[Any]], which: Any, status: Status | Statuses) -> None:
