@@ -49,24 +49,19 @@ def one_by_one(mechanism: pj.Mechanism, values: np.ndarray) -> tuple[np.ndarray,
 
 
 def at_once(many: pj.Batch, values: np.ndarray, threads: int = 1) -> pj.ManyEllipsoids:
-    poses = many.close(values, enforce_limits=False, threads=threads)
-    return many.ellipsoids(poses.q, threads=threads)
+    return many.ellipsoids_at(values, enforce_limits=False, threads=threads)[1]
 
 
 def filled_again(many: pj.Batch, values: np.ndarray) -> Callable[[int], object]:
     """Return the same into the results of a call before, by some threads."""
-    poses = many.close(values, enforce_limits=False)
-    found = many.ellipsoids(poses.q)
-
-    def again(threads: int) -> object:
-        many.close(values, enforce_limits=False, threads=threads, out=poses)
-        return many.ellipsoids(poses.q, threads=threads, out=found)
-
-    return again
+    out = many.ellipsoids_at(values, enforce_limits=False)
+    return lambda threads: many.ellipsoids_at(
+        values, enforce_limits=False, threads=threads, out=out
+    )
 
 
 def with_measures(many: pj.Batch, values: np.ndarray) -> pj.ManyMeasures:
-    return many.measures(many.close(values, enforce_limits=False, threads=1).q, threads=1)
+    return many.measures_at(values, enforce_limits=False, threads=1)[1]
 
 
 def seconds(of: Callable[[], object], clock: Callable[[], float] = time.process_time) -> float:

@@ -17,11 +17,10 @@ from pathlib import Path
 
 import numpy as np
 import pinocchio as pin
-from bench_batch import MANY, ROUNDS, at_once, compiled, seconds, targets
+from bench_batch import MANY, NAMES, ROUNDS, at_once, compiled, machine, seconds, targets
 
 import pmjac_pin as pj
 
-NAMES = ("five_bar", "three_rps", "delta_rods", "stewart_gough")
 PREFIX = Path(pin.__file__).parents[4]
 INCLUDE = PREFIX / "include"
 SINGLE = 2_000
@@ -42,7 +41,7 @@ def build(folder: Path) -> ctypes.CDLL:
 
 
 class Peer:
-    """One mechanism of loops between points and of rods."""
+    """One mechanism of loops between points, of hinges and of rods."""
 
     def __init__(self, library: ctypes.CDLL, mechanism: pj.Mechanism, folder: Path) -> None:
         self._library, self._mechanism = library, mechanism
@@ -55,6 +54,11 @@ class Peer:
             loop.rows(mechanism.parameters)[0].length if isinstance(loop, pj.DistanceLoop) else 0.0
             for loop in loops
         ]
+        axes = [
+            component
+            for loop in loops
+            for component in (loop.axis if isinstance(loop, pj.RevoluteLoop) else (0.0, 0.0, 0.0))
+        ]
         columns = mechanism.problem.partition.actuated
         library.peer_make.restype = ctypes.c_void_p
         self._peer = ctypes.c_void_p(
@@ -63,6 +67,7 @@ class Peer:
                 len(loops),
                 (ctypes.c_int * len(frames))(*frames),
                 (ctypes.c_double * len(rods))(*rods),
+                (ctypes.c_double * len(axes))(*axes),
                 len(columns),
                 (ctypes.c_int * len(columns))(*columns.tolist()),
                 model.getFrameId(mechanism.spec.tool.names[0]),
@@ -84,7 +89,7 @@ class Peer:
 
 def compare(library: ctypes.CDLL, folder: Path, name: str) -> tuple[float, float, float]:
     """Seconds a pose: by the peer, at once, and compiled."""
-    mechanism = pj.load(name)
+    mechanism = machine(name)
     many, fast, peer = pj.batch(mechanism), compiled(mechanism), Peer(library, mechanism, folder)
     values = targets(mechanism, MANY)
     (J_eq, radii), found = peer.run(values[:SINGLE]), at_once(many, values[:SINGLE])

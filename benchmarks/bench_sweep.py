@@ -61,15 +61,11 @@ def costs(many: pj.Batch, count: int) -> tuple[float, float]:
     home = many.mechanism.home.actuated
     values = home + np.random.default_rng(0).uniform(-SPREAD, SPREAD, (count, home.size))
 
-    def call(poses: pj.ManyClosed | None = None, found: pj.ManyEllipsoids | None = None) -> object:
-        poses = many.close(values, threads=1, out=poses)
-        return poses, many.ellipsoids(poses.q, threads=1, out=found)
-
-    known = call()
+    known = many.ellipsoids_at(values, threads=1)
     anew, again = [], []
     for _ in range(max(3, min(100, 10**6 // count))):
-        anew.append(seconds(call) / count)
-        again.append(seconds(lambda: call(*known)) / count)
+        anew.append(seconds(lambda: many.ellipsoids_at(values, threads=1)) / count)
+        again.append(seconds(lambda: many.ellipsoids_at(values, threads=1, out=known)) / count)
     return statistics.median(anew), statistics.median(again)
 
 

@@ -14,7 +14,7 @@ import pytest
 
 import pmjac_pin as pj
 from pmjac_pin.batches.closing import Closing
-from pmjac_pin.batches.pieces import PIECE, Manner, gathered
+from pmjac_pin.batches.pieces import PIECE, Manner, Wanted, gathered, pieces_of
 from pmjac_pin.batches.results import shapes_of
 
 COUNT = 40_000
@@ -29,6 +29,10 @@ def stop_at(most):
             raise KeyboardInterrupt
 
     return progress
+
+
+def wanted(count):
+    return Wanted(pj.ManyJacobians, shapes_of(pj.ManyJacobians, count, 1))
 
 
 @pytest.fixture(scope="module")
@@ -102,7 +106,8 @@ def test_a_grid_keeps_its_cells(many, monkeypatch):
 
 
 SCRIPT = """
-import os, signal, sys, threading, time
+import os, signal, sys, time
+from _thread import _count as others_at_work
 import numpy as np
 import pmjac_pin as pj
 
@@ -120,10 +125,10 @@ try:
 except KeyboardInterrupt as stopped:
     known = stopped.done.status != pj.Status.NOT_DONE
     print(int(known.sum()), bool(np.isfinite(stopped.done.q[known]).all()))
-    for one in threading.enumerate():
-        if one is not threading.current_thread():
-            one.join(5.0)  # a piece would take much longer
-            print(one.is_alive())
+    until = time.monotonic() + 5.0  # a piece would take much longer
+    while others_at_work() and time.monotonic() < until:
+        time.sleep(0.01)
+    print(others_at_work())
 """
 
 
@@ -136,11 +141,11 @@ def test_a_signal(threads):
         child.send_signal(signal.SIGINT)
         told, _ = child.communicate(timeout=60)
     assert child.returncode == 0
-    first, *alive = told.splitlines()
+    first, at_work = told.splitlines()
     done, finite = first.split()
-    assert 4096 <= int(done) < 4_000_000
+    assert 2048 <= int(done) < 4_000_000
     assert finite == "True"
-    assert set(alive) <= {"False"}
+    assert at_work == "0"
 
 
 @pytest.mark.parametrize("threads", [1, 2])
@@ -159,7 +164,7 @@ def test_nobody_waits_for_a_piece_that_takes_long(threads):
 
     threading.Thread(target=interrupt).start()
     with pytest.raises(pj.Interrupted, match="0 of 5000 poses") as raised:
-        gathered(pj.ManyJacobians, shapes_of(pj.ManyJacobians, 5000, 1), work, Manner(threads))
+        gathered(wanted(5000), work, Manner(threads))
     stop.set()
     assert (raised.value.done.status == pj.Status.NOT_DONE).all()
 
@@ -167,20 +172,20 @@ def test_nobody_waits_for_a_piece_that_takes_long(threads):
 @pytest.mark.parametrize("later", [1, 2])
 def test_what_is_raised_is_of_the_first_piece_that_fails(later):
     """Whichever thread comes to it, and however much sooner another piece fails."""
-    failed = threading.Event()
+    failed, count = threading.Event(), 5 * PIECE
+    fails = pieces_of(count)[later].start
 
     def work(piece, J_eq, status):
         J_eq[:], status[:] = piece.at.start, 0
-        if piece.at.start == later * PIECE:
+        if piece.at.start == fails:
             failed.set()
             raise ValueError("later")
         if piece.at.start == 0:
             assert failed.wait(30.0)
             raise ValueError("first")
 
-    count = 5 * PIECE
     with pytest.raises(ValueError, match="first"):
-        gathered(pj.ManyJacobians, shapes_of(pj.ManyJacobians, count, 1), work, Manner(2))
+        gathered(wanted(count), work, Manner(2))
 
 
 @pytest.mark.parametrize("threads", [1, 2, 5])
@@ -190,11 +195,9 @@ def test_progress_tells_of_all_in_the_end(threads):
     def work(piece, J_eq, status):
         J_eq[:], status[:] = piece.at.start, 0
 
-    shapes = shapes_of(pj.ManyJacobians, count, 1)
-    found = gathered(
-        pj.ManyJacobians, shapes, work, Manner(threads, lambda *given: told.append(given))
-    )
-    np.testing.assert_array_equal(found.J_eq[:, 0, 0], np.arange(count) // PIECE * PIECE)
+    found = gathered(wanted(count), work, Manner(threads, lambda *given: told.append(given)))
+    for piece in pieces_of(count):
+        assert (found.J_eq[piece] == piece.start).all()
     assert told[-1] == (count, count)
     assert [done for done, _ in told] == sorted({done for done, _ in told})
 
@@ -221,3 +224,18 @@ def test_a_sweep_keeps_its_chunks(stored, tmp_path):
         resumed = pj.sweep(five_bar, **asked, out=out, resume=True)
         np.testing.assert_array_equal(resumed.J_eq, whole.J_eq)
         np.testing.assert_array_equal(resumed.status, whole.status)
+
+
+@pytest.mark.parametrize("count", [0, 1, PIECE, PIECE + 1, 10_000, 40_000, 99_999, 1_000_000])
+def test_two_threads_that_are_as_fast_end_together(count):
+    """But not each of their pieces: where one comes to Python's lock, the other computes."""
+    pieces = pieces_of(count)
+    covered = [index for piece in pieces for index in range(piece.start, piece.stop)]
+    assert covered == list(range(count))
+    assert all(0 < piece.stop - piece.start <= PIECE for piece in pieces)
+    ends = [0, 0]  # poses that each of them has done
+    for piece in pieces:
+        ends.sort()
+        assert ends[0] < ends[1] or max(ends) == 0
+        ends[0] += piece.stop - piece.start
+    assert count <= PIECE or max(ends) <= 0.51 * count

@@ -23,7 +23,7 @@ SAME = 1e-8  # of the way: steps on both sides become shorter than can be resolv
 
 def together(many, start, values, **options):
     q, share = np.empty_like(start), np.empty(len(values))
-    return q, share, many._closing.together(start, values, (q, share), **options)
+    return q, share, many._closing.together(start, values, (q, share), **options).settled
 
 
 @pytest.mark.parametrize(
@@ -147,7 +147,7 @@ class ShortSteps:
         """η and K* on the columns that the program keeps."""
         problem = self.mechanism.problem
         residual, jacobian = problem.evaluate(q)
-        kept = pj.batch(self.mechanism)._recorded.rates.kept
+        kept = self.mechanism.recorded.rates.kept
         scaled = problem.partition.scaled(jacobian)
         return residual * problem.partition.row_scale, scaled[:, kept]
 

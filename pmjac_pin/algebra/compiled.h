@@ -94,13 +94,14 @@ static void run_stage(int64_t stage, Rows rows, Many *kept);
 
 int64_t pmjac_kept(void);
 
-/* One stage, for so many sets of inputs, a multiple of WIDTH; `kept` is what stages after it need,
- * on addresses that vectors are loaded from. */
+/* One stage, for so many sets of inputs, up to a multiple of WIDTH, rows of which are so far apart;
+ * `kept` is what stages after it need, on addresses that vectors are loaded from. */
 void pmjac_run_stage(
-    int64_t stage, int64_t lanes, const double *inputs, double *outputs, double *kept)
+    int64_t stage, int64_t apart, int64_t lanes, const double *inputs, double *outputs,
+    double *kept)
 {
     for (int64_t lane = 0; lane < lanes; lane += WIDTH) {
-        Rows rows = {inputs + lane, outputs + lane, lanes, lanes};
+        Rows rows = {inputs + lane, outputs + lane, apart, apart};
         run_stage(stage, rows, (Many *)kept + lane / WIDTH * pmjac_kept());
     }
 }
@@ -126,7 +127,7 @@ void pmjac_run_rows(
     for (int64_t at = 0; at + LANES <= count; at += LANES) {
         copy(inputs + at, count, tile, LANES, given);
         for (int64_t stage = 0; stage < stages; stage++)
-            pmjac_run_stage(stage, LANES, tile, found, kept);
+            pmjac_run_stage(stage, LANES, LANES, tile, found, kept);
         copy(found, LANES, outputs + at, count, told);
     }
 }

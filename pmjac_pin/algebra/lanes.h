@@ -5,10 +5,11 @@
 
 /* For every lane. A target is one of the operands or apart from them: no lane depends on another. */
 #if defined(__GNUC__) && !defined(__clang__)
-#define EACH _Pragma("GCC ivdep") for (int i = 0; i < LANES; i++)
+#define EACH_OF(lanes) _Pragma("GCC ivdep") for (int i = 0; i < lanes; i++)
 #else
-#define EACH for (int i = 0; i < LANES; i++)
+#define EACH_OF(lanes) for (int i = 0; i < lanes; i++)
 #endif
+#define EACH EACH_OF(LANES)
 
 /* One version for each kind of processor in one file, where the compiler can. */
 #if defined(FOR_EACH_PROCESSOR)

@@ -11,15 +11,17 @@ enum {
     COPYSIGN, ARCTANGENT, ROUND, MULTIPLY_ADD, MULTIPLY_SUBTRACT, SUBTRACT_PRODUCT
 };
 
+/* For so many of the lanes as have something to do. */
+#define BUSY EACH_OF(lanes)
+
 /* Quarters of a turn are taken off in three parts of pi/2 (fdlibm's), exactly for |x| < LARGE. */
 #define LARGE 1e5
-INLINE void wave(
-    const double *x, double *wave_of, int quarter)
+INLINE void wave(const double *x, double *wave_of, int quarter, const int lanes)
 {
     double angle[LANES]; /* x may be where the wave goes */
     int large = 0;
-    EACH { angle[i] = x[i]; large |= !(fabs(x[i]) < LARGE); }
-    EACH {
+    BUSY { angle[i] = x[i]; large |= !(fabs(x[i]) < LARGE); }
+    BUSY {
         const double magic = 6755399441055744.0; /* 1.5 * 2^52: what is added is rounded */
         union { double number; int64_t bits; } turns = {x[i] * 0.63661977236758134308 + magic};
         double count = turns.number - magic;
@@ -39,7 +41,7 @@ INLINE void wave(
         wave_of[i] = which & 2 ? -value : value;
     }
     if (large)
-        for (int i = 0; i < LANES; i++)
+        for (int i = 0; i < lanes; i++)
             if (!(fabs(angle[i]) < LARGE)) wave_of[i] = quarter ? cos(angle[i]) : sin(angle[i]);
 }
 
@@ -55,10 +57,10 @@ INLINE int more_products(const int32_t *at, const int32_t *end, int operation, i
 
 #define PRODUCT(later) (slots[at[5 * (later) + 2]][i] * slots[at[5 * (later) + 3]][i])
 
-FOR_EACH_PROCESSOR
-static void run(
-    const int32_t *code, int64_t length, double (*slots)[LANES], const double *inputs,
-    int64_t count, int64_t start, int width, double *outputs)
+/* On so many of the lanes, which is a number that is known where this is inlined. */
+INLINE void run_lanes(
+    const int lanes, const int32_t *code, int64_t length, double (*slots)[LANES],
+    const double *inputs, int64_t count, int64_t start, int width, double *outputs)
 {
     const int32_t *end = code + 5 * length;
     int more = 0;
@@ -69,60 +71,74 @@ static void run(
         switch (at[0]) {
         case LOAD: {
             const double *given = inputs + at[2] * count + start;
-            if (width == LANES) EACH result[i] = given[i];
-            else for (int i = 0; i < LANES; i++) result[i] = given[i < width ? i : width - 1];
+            if (width == lanes) BUSY result[i] = given[i];
+            else for (int i = 0; i < lanes; i++) result[i] = given[i < width ? i : width - 1];
             break;
         }
         case STORE: {
             double *target = outputs + at[1] * count + start;
-            if (width == LANES) EACH target[i] = a[i];
+            if (width == lanes) BUSY target[i] = a[i];
             else for (int i = 0; i < width; i++) target[i] = a[i];
             break;
         }
-        case ADD: EACH result[i] = a[i] + b[i]; break;
-        case SUBTRACT: EACH result[i] = a[i] - b[i]; break;
+        case ADD: BUSY result[i] = a[i] + b[i]; break;
+        case SUBTRACT: BUSY result[i] = a[i] - b[i]; break;
         case MULTIPLY:
             more = more_products(at, end, MULTIPLY_ADD, 3);
             switch (more) {
-            case 0: EACH result[i] = PRODUCT(0); break;
-            case 1: EACH result[i] = PRODUCT(1) + PRODUCT(0); break;
-            case 2: EACH result[i] = PRODUCT(2) + (PRODUCT(1) + PRODUCT(0)); break;
-            default: EACH result[i] = PRODUCT(3) + (PRODUCT(2) + (PRODUCT(1) + PRODUCT(0)));
+            case 0: BUSY result[i] = PRODUCT(0); break;
+            case 1: BUSY result[i] = PRODUCT(1) + PRODUCT(0); break;
+            case 2: BUSY result[i] = PRODUCT(2) + (PRODUCT(1) + PRODUCT(0)); break;
+            default: BUSY result[i] = PRODUCT(3) + (PRODUCT(2) + (PRODUCT(1) + PRODUCT(0)));
             }
             break;
-        case DIVIDE: EACH result[i] = a[i] / b[i]; break;
-        case NEGATE: EACH result[i] = -a[i]; break;
-        case SINE: wave(a, result, 0); break;
-        case COSINE: wave(a, result, 1); break;
-        case ROOT: EACH result[i] = sqrt(a[i]); break;
-        case MAGNITUDE: EACH result[i] = fabs(a[i]); break;
-        case LARGEST: EACH result[i] = a[i] > b[i] || a[i] != a[i] ? a[i] : b[i]; break;
-        case COPYSIGN: EACH result[i] = copysign(a[i], b[i]); break;
-        case ARCTANGENT: EACH result[i] = atan2(a[i], b[i]); break;
-        case ROUND: EACH result[i] = rint(a[i]); break;
+        case DIVIDE: BUSY result[i] = a[i] / b[i]; break;
+        case NEGATE: BUSY result[i] = -a[i]; break;
+        case SINE: wave(a, result, 0, lanes); break;
+        case COSINE: wave(a, result, 1, lanes); break;
+        case ROOT: BUSY result[i] = sqrt(a[i]); break;
+        case MAGNITUDE: BUSY result[i] = fabs(a[i]); break;
+        case LARGEST: BUSY result[i] = a[i] > b[i] || a[i] != a[i] ? a[i] : b[i]; break;
+        case COPYSIGN: BUSY result[i] = copysign(a[i], b[i]); break;
+        case ARCTANGENT: BUSY result[i] = atan2(a[i], b[i]); break;
+        case ROUND: BUSY result[i] = rint(a[i]); break;
         case MULTIPLY_ADD:
             more = more_products(at, end, MULTIPLY_ADD, 3);
             switch (more) {
-            case 0: EACH result[i] = PRODUCT(0) + c[i]; break;
-            case 1: EACH result[i] = PRODUCT(1) + (PRODUCT(0) + c[i]); break;
-            case 2: EACH result[i] = PRODUCT(2) + (PRODUCT(1) + (PRODUCT(0) + c[i])); break;
+            case 0: BUSY result[i] = PRODUCT(0) + c[i]; break;
+            case 1: BUSY result[i] = PRODUCT(1) + (PRODUCT(0) + c[i]); break;
+            case 2: BUSY result[i] = PRODUCT(2) + (PRODUCT(1) + (PRODUCT(0) + c[i])); break;
             default:
-                EACH result[i] = PRODUCT(3) + (PRODUCT(2) + (PRODUCT(1) + (PRODUCT(0) + c[i])));
+                BUSY result[i] = PRODUCT(3) + (PRODUCT(2) + (PRODUCT(1) + (PRODUCT(0) + c[i])));
             }
             break;
-        case MULTIPLY_SUBTRACT: EACH result[i] = a[i] * b[i] - c[i]; break;
+        case MULTIPLY_SUBTRACT: BUSY result[i] = a[i] * b[i] - c[i]; break;
         case SUBTRACT_PRODUCT:
             more = more_products(at, end, SUBTRACT_PRODUCT, 3);
             switch (more) {
-            case 0: EACH result[i] = c[i] - PRODUCT(0); break;
-            case 1: EACH result[i] = c[i] - PRODUCT(0) - PRODUCT(1); break;
-            case 2: EACH result[i] = c[i] - PRODUCT(0) - PRODUCT(1) - PRODUCT(2); break;
-            default: EACH result[i] = c[i] - PRODUCT(0) - PRODUCT(1) - PRODUCT(2) - PRODUCT(3);
+            case 0: BUSY result[i] = c[i] - PRODUCT(0); break;
+            case 1: BUSY result[i] = c[i] - PRODUCT(0) - PRODUCT(1); break;
+            case 2: BUSY result[i] = c[i] - PRODUCT(0) - PRODUCT(1) - PRODUCT(2); break;
+            default: BUSY result[i] = c[i] - PRODUCT(0) - PRODUCT(1) - PRODUCT(2) - PRODUCT(3);
             }
             break;
-        default: EACH result[i] = NAN;
+        default: BUSY result[i] = NAN;
         }
     }
+}
+
+/* For inputs from `start` on, `width` of them; in few lanes where that is all. */
+FOR_EACH_PROCESSOR
+static void run(
+    const int32_t *code, int64_t length, double (*slots)[LANES], const double *inputs,
+    int64_t count, int64_t start, int width, double *outputs)
+{
+    if (4 * width <= LANES)
+        run_lanes(LANES / 4, code, length, slots, inputs, count, start, width, outputs);
+    else if (2 * width <= LANES)
+        run_lanes(LANES / 2, code, length, slots, inputs, count, start, width, outputs);
+    else
+        run_lanes(LANES, code, length, slots, inputs, count, start, width, outputs);
 }
 
 /* Returns 0, or 1 where there is no memory for the slots. */

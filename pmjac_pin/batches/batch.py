@@ -5,23 +5,28 @@ What a program certifies is what the single call says; where it cannot, the sing
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from functools import cached_property
-from typing import Any, TypeAlias, TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from pmjac_pin.algebra.compiled_programs import CompiledPrograms
-from pmjac_pin.algebra.tape import Tape
 from pmjac_pin.algebra.tape_runner import tape_kernel
+from pmjac_pin.batches.at_poses import AtPoses, RatesWork
 from pmjac_pin.batches.closing import Closing
 from pmjac_pin.batches.grid import Grid
-from pmjac_pin.batches.judge import Judge
-from pmjac_pin.batches.many_rates import ManyRates
-from pmjac_pin.batches.measures import blank_open, fill_measures
-from pmjac_pin.batches.pieces import Manner, Piece, PieceWork, Progress, gathered
+from pmjac_pin.batches.pieces import (
+    Manner,
+    Piece,
+    PieceWork,
+    Progress,
+    Wanted,
+    gathered,
+    gathered_together,
+)
 from pmjac_pin.batches.results import (
     ManyClosed,
     ManyEllipsoids,
@@ -31,22 +36,16 @@ from pmjac_pin.batches.results import (
     Statuses,
     shapes_of,
 )
-from pmjac_pin.closing.motor_values import motor_table
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import ArgumentError, quoted
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.limits import enforced
 from pmjac_pin.model.reference_frame import frame_name
-from pmjac_pin.model.twist_frame import FrameName
 from pmjac_pin.model.unit_turns import UnitRows
-from pmjac_pin.rates.many_radii import fill_radii
-from pmjac_pin.values.arrays import Array, Index, Mask
+from pmjac_pin.values.arrays import Array, Index
 from pmjac_pin.values.checks import as_numbers, check_kind, seen_numbers
 
-_WORLD_ALIGNED: FrameName = "LOCAL_WORLD_ALIGNED"
 ManyRatesKind = TypeVar("ManyRatesKind", bound=ManyJacobians)
-#: (piece, its rows of q, its part of each array) ↦ nothing: it fills them.
-RatesWork: TypeAlias = Callable[..., object]
 
 
 def batch(mechanism: Mechanism, *, compiled: bool = False) -> Batch:
@@ -89,18 +88,16 @@ class Batch:
         installed.
     """
 
-    _last_guess: tuple[Configuration | None, Array] = (None, np.empty(0))
+    _last_guess: tuple[Configuration | None, Array, Array] = (None, np.empty(0), np.empty((0, 0)))
 
     def __init__(self, mechanism: Mechanism, *, compiled: bool = False) -> None:
         self.mechanism = mechanism
-        self._compiled = CompiledPrograms() if compiled else None
+        programs = CompiledPrograms() if compiled else None
         self.runs_on = "NumPy" if tape_kernel() is None else "kernel"
         if compiled:
             self.runs_on = "compiled programs"
-        self._recorded = mechanism.recorded
-        self._closing = Closing.of(mechanism, self._compiled)
-        self._judge = Judge(mechanism)
-        self._known_rates: dict[int, ManyRates] = {}
+        self._closing = Closing.of(mechanism, programs)
+        self._at_poses = AtPoses(mechanism, programs)
 
     def close(
         self,
@@ -140,18 +137,8 @@ class Batch:
         ClosureError
             A guess that is not closed.
         """
-        values = motor_table(self.mechanism.spec, self.mechanism.coordinates, actuated)
-        whose, (start, known) = enforced(enforce_limits), self._start(guess, len(values))
-
-        def work(piece: Piece, *found: Any) -> None:
-            at = piece.at
-            begin = start[at]
-            if not known:
-                begin = self._checked(begin)
-                self._closing.check(begin)
-            self._closing.close(piece, (begin, values[at]), whose, found)
-
-        return self._closed(start, work, Manner(threads, progress, out, (start, values)))
+        count, work, given = self._paths(actuated, guess, enforce_limits)
+        return gathered(self._closed(count, out), work, Manner(threads, progress, given))
 
     def grid(
         self,
@@ -215,12 +202,28 @@ class Batch:
             paths = start[at], targets[at]
             self._closing.close(piece, paths, whose, found, most_steps=most_steps)
 
-        return self._closed(start, work, Manner(threads))
+        return gathered(self._closed(len(start)), work, Manner(threads))
 
-    def _closed(self, start: Array, work: PieceWork, how: Manner[ManyClosed]) -> ManyClosed:
-        count = len(start)
-        shapes = {"q": start.shape, "share": (count,), "status": (count,)}
-        return gathered(ManyClosed, shapes, work, how, coordinates=self.mechanism.coordinates)
+    def _paths(
+        self, actuated: ArrayLike, guess: Any, enforce_limits: bool | str
+    ) -> tuple[int, PieceWork, tuple[Array, ...]]:
+        """Return how many paths there are, what closes a piece of them, and what that reads."""
+        values = self.mechanism.motors.table(actuated)
+        whose, (start, known) = enforced(enforce_limits), self._start(guess, len(values))
+
+        def work(piece: Piece, *found: Any) -> None:
+            at = piece.at
+            begin = start[at]
+            if not known:
+                begin = self._checked(begin)
+                self._closing.check(begin)
+            self._closing.close(piece, (begin, values[at]), whose, found)
+
+        return len(values), work, (values,) if known else (start, values)
+
+    def _closed(self, count: int, out: ManyClosed | None = None) -> Wanted[ManyClosed]:
+        shapes = {"q": (count, self.mechanism.nq), "share": (count,), "status": (count,)}
+        return Wanted(ManyClosed, shapes, out, coordinates=self.mechanism.coordinates)
 
     def jacobian(
         self,
@@ -242,8 +245,8 @@ class Batch:
         """
         self.mechanism.need_tool()
         name, poses = frame_name(frame), self._poses(q)
-        how = Manner(threads, progress, out, (poses,))
-        return self._gathered(ManyJacobians, self._jacobian_work(name), how)
+        how = Manner(threads, progress, (poses,))
+        return self._gathered(ManyJacobians, self._at_poses.jacobian(name), how, out)
 
     def ellipsoids(
         self,
@@ -271,8 +274,8 @@ class Batch:
         True
         """
         self.mechanism.need_tool()
-        how = Manner(threads, progress, out, (self._poses(q),))
-        return self._gathered(ManyEllipsoids, self._ellipsoids_work(), how)
+        how = Manner(threads, progress, (self._poses(q),))
+        return self._gathered(ManyEllipsoids, self._at_poses.ellipsoids(), how, out)
 
     def measures(
         self,
@@ -299,46 +302,91 @@ class Batch:
         True
         """
         self.mechanism.need_tool()
-        how = Manner(threads, progress, out, (self._poses(q),))
-        return self._gathered(ManyMeasures, self._measures_work(), how)
+        how = Manner(threads, progress, (self._poses(q),))
+        return self._gathered(ManyMeasures, self._at_poses.measures(), how, out)
 
-    def _jacobian_work(self, frame: FrameName) -> RatesWork:
-        """Return what fills a piece of `jacobian` for rows of q."""
-        rates = self._rates(self._recorded.jacobian(frame))
+    def ellipsoids_at(
+        self,
+        actuated: ArrayLike,
+        guess: str | Configuration | ArrayLike = "home",
+        *,
+        enforce_limits: bool | str = True,
+        threads: int | None = None,
+        progress: Progress | None = None,
+        out: tuple[ManyClosed, ManyEllipsoids] | None = None,
+    ) -> tuple[ManyClosed, ManyEllipsoids]:
+        """Return what `close` gives, and what `ellipsoids` gives at its poses, in one go.
 
-        def work(piece: Piece, q: Array, J_eq: Array, status: Statuses) -> None:
-            _, certain = rates.fill(q, J_eq)
-            self._judge.settle(piece, q, certain, frame, (J_eq, status))
+        The same numbers, sooner: poses are not looked at twice, and are near the processor.
 
-        return work
+        Parameters
+        ----------
+        actuated, guess, enforce_limits, threads, progress
+            As for `close`.
+        out : (ManyClosed, ManyEllipsoids), optional
+            What a call has returned for as many poses, to be filled again and returned.
 
-    def _ellipsoids_work(self) -> RatesWork:
-        rates = self._rates(self._recorded.ellipsoids)
+        Raises
+        ------
+        ArgumentError, UnknownNameError, ClosureError
+            As `close`.
 
-        def work(piece: Piece, q: Array, J_eq: Array, status: Statuses, *radii: Array) -> None:
-            sizes, certain = rates.fill(q, J_eq)
-            self._judge.settle(piece, q, certain, _WORLD_ALIGNED, (J_eq, status))
-            fill_radii(J_eq, sizes, *radii)
+        Examples
+        --------
+        >>> import pmjac_pin as pj
+        >>> many = pj.batch(pj.load("five_bar"))
+        >>> poses, found = many.ellipsoids_at([[2.1, 0.9], [2.2, 1.0]])
+        >>> bool((found.velocity_radii == many.ellipsoids(poses.q).velocity_radii).all())
+        True
+        """
+        self.mechanism.need_tool()
+        paths = self._paths(actuated, guess, enforce_limits)
+        work, how = self._at_poses.ellipsoids(), (threads, progress)
+        return self._gathered_at(ManyEllipsoids, work, paths, how, out)
 
-        return work
+    def measures_at(
+        self,
+        actuated: ArrayLike,
+        guess: str | Configuration | ArrayLike = "home",
+        *,
+        enforce_limits: bool | str = True,
+        threads: int | None = None,
+        progress: Progress | None = None,
+        out: tuple[ManyClosed, ManyMeasures] | None = None,
+    ) -> tuple[ManyClosed, ManyMeasures]:
+        """Return what `close` gives, and what `measures` gives at its poses, in one go.
 
-    def _measures_work(self) -> RatesWork:
-        rates, partition = self._rates(self._recorded.measures), self._recorded.rates.partition
+        Parameters
+        ----------
+        actuated, guess, enforce_limits, threads, progress
+            As for `close`.
+        out : (ManyClosed, ManyMeasures), optional
+            As for `ellipsoids_at`.
 
-        def work(piece: Piece, q: Array, *found: Any) -> None:
-            def fill(part: slice, J_eq: Array) -> tuple[Array, Mask]:
-                return rates.fill(q[part], J_eq)
+        Raises
+        ------
+        ArgumentError, UnknownNameError, ClosureError
+            As `close`.
 
-            J_eq, status, linear, angular, *_ = found
-            sizes, certain = fill_measures(fill, partition, found)
-            self._judge.settle(piece, q, certain, _WORLD_ALIGNED, (J_eq, status))
-            fill_radii(J_eq, sizes, linear, angular)
-            blank_open(found)
-
-        return work
+        Examples
+        --------
+        >>> import pmjac_pin as pj
+        >>> many = pj.batch(pj.load("five_bar"))
+        >>> poses, found = many.measures_at([[2.1, 0.9], [2.2, 1.0]])
+        >>> bool((found.smallest == many.measures(poses.q).smallest).all())
+        True
+        """
+        self.mechanism.need_tool()
+        paths = self._paths(actuated, guess, enforce_limits)
+        work, how = self._at_poses.measures(), (threads, progress)
+        return self._gathered_at(ManyMeasures, work, paths, how, out)
 
     def _gathered(
-        self, kind: type[ManyRatesKind], work: RatesWork, how: Manner[ManyRatesKind]
+        self,
+        kind: type[ManyRatesKind],
+        work: RatesWork,
+        how: Manner,
+        out: ManyRatesKind | None,
     ) -> ManyRatesKind:
         """Return what is found at the poses that are given."""
         (poses,) = how.given
@@ -346,38 +394,55 @@ class Batch:
         def checked(piece: Piece, *found: Any) -> None:
             work(piece, self._checked(poses[piece.at]), *found)
 
-        shapes = shapes_of(kind, len(poses), len(self.mechanism.actuated))
-        return gathered(kind, shapes, checked, how)
+        return gathered(self._wanted(kind, len(poses), out), checked, how)
 
-    def _rates(self, tape: Tape) -> ManyRates:
-        """Return what computes J_eq by a tape."""
-        known = self._known_rates.get(id(tape))  # which its rates keep
-        if known is None:
-            compiled = None if self._compiled is None else self._compiled.of(tape)
-            partition, tolerance = self._recorded.rates.partition, self.mechanism.problem.tolerance
-            known = ManyRates(tape, partition, tolerance, compiled)
-            self._known_rates[id(tape)] = known
-        return known
+    def _gathered_at(
+        self,
+        kind: type[ManyRatesKind],
+        work: RatesWork,
+        paths: tuple[int, PieceWork, tuple[Array, ...]],
+        how: tuple[int | None, Progress | None],
+        out: tuple[ManyClosed, ManyRatesKind] | None,
+    ) -> tuple[ManyClosed, ManyRatesKind]:
+        """Return closed poses, and what is found there while they are at hand."""
+        if not (out is None or (isinstance(out, tuple) and len(out) == 2)):
+            pair = f"(ManyClosed, {kind.__name__})"
+            raise ArgumentError(f"`out` is {pair} to be filled again, got {quoted(out)}")
+        (count, close, given), (poses, rates) = paths, out or (None, None)
+
+        def closed(piece: Piece, q: Array, share: Array, status: Statuses, *found: Any) -> None:
+            close(piece, q, share, status)
+            work(piece, q, *found)
+
+        wanted = self._closed(count, poses), self._wanted(kind, count, rates)
+        return gathered_together(wanted, closed, Manner(*how, given))
+
+    def _wanted(
+        self, kind: type[ManyRatesKind], count: int, out: ManyRatesKind | None
+    ) -> Wanted[ManyRatesKind]:
+        shapes = shapes_of(kind, count, len(self.mechanism.actuated))  # type: ignore[arg-type]
+        return Wanted(kind, shapes, out)
 
     def _start(self, guess: Any, count: int) -> tuple[Array, bool]:
         """Return where the paths begin, and whether it is known that the loops are closed there."""
         if isinstance(guess, str):
             guess = self.mechanism.pose(guess)
         if isinstance(guess, Configuration):
-            q = self._of_guess(guess)
-            return np.broadcast_to(q, (count, q.size)), True
+            return self._of_guess(guess, count), True
         start = self._poses(guess)
         if len(start) != count:
             raise ArgumentError(f"{count} guesses expected, one for each target; got {len(start)}")
         return start, False
 
-    def _of_guess(self, guess: Configuration) -> Array:
-        """Return its q, seen to be closed in this mechanism; the last one is known."""
-        known, q = self._last_guess
+    def _of_guess(self, guess: Configuration, count: int) -> Array:
+        """Return its q, seen to be closed in this mechanism, as rows; the last ones are known."""
+        known, q, rows = self._last_guess
         if known is not guess:
             q = self.mechanism.configuration(guess.q).q
-            self._last_guess = guess, q
-        return q
+        if known is not guess or len(rows) != count:
+            rows = np.broadcast_to(q, (count, q.size))
+            self._last_guess = guess, q, rows
+        return rows
 
     def _poses(self, q: Any) -> Array:
         """Return q as rows, which are `_checked` piece by piece."""

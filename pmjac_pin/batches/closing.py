@@ -11,7 +11,7 @@ from pmjac_pin.batches.one_by_one import close_one
 from pmjac_pin.batches.pieces import Piece
 from pmjac_pin.batches.results import Status, Statuses
 from pmjac_pin.closing.closure import LARGEST_STEP, MOST_STEPS
-from pmjac_pin.closing.many_paths import GoOn, Walker
+from pmjac_pin.closing.many_paths import GoOn, Paths, Walker
 from pmjac_pin.closing.path_kernel import many_paths_kernel
 from pmjac_pin.closing.paths_in_lanes import PathsInLanes
 from pmjac_pin.errors import MissingDependencyError
@@ -81,29 +81,38 @@ class Closing:
         With so few steps, what is not certain by them has the status NOT_DONE.
         """
         (start, values), (q, share, status) = paths, found
-        settled = self.together(start, values, (q, share), piece.go_on, most_steps)
-        status[:] = Status.CLOSED
-        arrived = share == 1.0
-        if not arrived.all():
-            # Another branch may have more rank than home's, of which the program knows nothing.
-            full = self.mechanism.problem.partition.full
-            settled &= arrived | (full & (share > 0.0))
-            for index in piece.each(~settled) if most_steps is None else ():
-                q[index], share[index] = close_one(self.mechanism, start[index], values[index])
-            status[share != 1.0] = Status.STOPPED
-            if most_steps is not None:
-                status[~settled] = Status.NOT_DONE
+        walked = self.together(start, values, (q, share), piece.go_on, most_steps)
+        status.fill(Status.CLOSED)
+        if not (walked.all_arrived or (share == 1.0).all()):
+            self._settle(piece, paths, walked.settled, found, most_steps)
         self._keep_to_limits(whose, values, q, status)
+
+    def _settle(
+        self,
+        piece: Piece,
+        paths: tuple[Array, Array],
+        settled: Mask,
+        found: tuple[Array, Array, Statuses],
+        most_steps: int | None,
+    ) -> None:
+        """Walk one by one what is not settled, and say what has stopped."""
+        (start, values), (q, share, status) = paths, found
+        # Another branch may have more rank than home's, of which the program knows nothing.
+        full = self.mechanism.problem.partition.full
+        settled &= (share == 1.0) | (full & (share > 0.0))
+        for index in piece.each(~settled) if most_steps is None else ():
+            q[index], share[index] = close_one(self.mechanism, start[index], values[index])
+        status[share != 1.0] = Status.STOPPED
+        if most_steps is not None:
+            status[~settled] = Status.NOT_DONE
 
     def _keep_to_limits(self, whose: str, values: Array, q: Array, status: Statuses) -> None:
         """Say of which poses some are beyond."""
-        coordinates = self.mechanism.coordinates
-        if whose != "none":
-            motors = self.mechanism.problem.partition.actuated
-            status[coordinates.beyond(values, motors).any(axis=1)] = Status.LIMITS
+        if whose != "none" and (beyond := self.mechanism.motors.beyond(values)) is not None:
+            status[beyond] = Status.LIMITS
         if whose == "all":
-            beyond = beyond_limits(coordinates, q)
-            status[beyond & (status == Status.CLOSED)] = Status.LIMITS
+            outside = beyond_limits(self.mechanism.coordinates, q)
+            status[outside & (status == Status.CLOSED)] = Status.LIMITS
 
     def together(
         self,
@@ -112,26 +121,21 @@ class Closing:
         ends: tuple[Array, Array],
         go_on: GoOn = lambda: None,
         most_steps: int | None = None,
-    ) -> Mask:
-        """Walk all paths by the program; find q and share, and return of which this is certain."""
+    ) -> Paths:
+        """Walk all paths by the program, which says which are settled; find q and share."""
         q, share = ends
         partition = self.mechanism.problem.partition
         # Without a walker, or where some motors lead and others are led, single calls know the way.
         if self.walker is None or partition.constraint_rank > partition.passive_rank:
             q[:], share[:] = start, 0.0
-            return np.zeros(len(values), dtype=bool)
-        displacement = self._displacement(start, values)
+            return Paths(q, share, np.zeros(len(values), dtype=bool))
+        displacement = self.mechanism.motors.ways(start if start.strides[0] else start[0], values)
         walker, most = self.lanes or self.walker, most_steps or MOST_STEPS
         paths = walker.walk(start, displacement, values, go_on, most, ends=ends)
+        if paths.all_arrived:
+            return paths
         left = np.flatnonzero(share != 1.0)  # the others were within so many steps
-        if left.size:
-            # Where a path is too long for any number of steps, single calls say so without a step.
-            far = np.linalg.norm(displacement[left] / partition.motor_scale, axis=1)
-            paths.settled[left] &= far <= MOST_STEPS * LARGEST_STEP * partition.length
-        return paths.settled
-
-    def _displacement(self, start: Array, values: Array) -> Array:
-        """Return how far the motors go."""
-        coordinates, motors = self.mechanism.coordinates, self.mechanism.problem.partition.actuated
-        at_rest = coordinates.values_of(start if start.strides[0] else start[:1], motors)
-        return coordinates.shorter_way(at_rest, values, motors)
+        # Where a path is too long for any number of steps, single calls say so without a step.
+        far = np.linalg.norm(displacement[left] / partition.motor_scale, axis=1)
+        paths.settled[left] &= far <= MOST_STEPS * LARGEST_STEP * partition.length
+        return paths

@@ -11,7 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from pmjac_pin.batches.batch import Batch, RatesWork
+from pmjac_pin.batches.at_poses import AtPoses, RatesWork
+from pmjac_pin.batches.batch import Batch
 from pmjac_pin.batches.closing import Closing
 from pmjac_pin.batches.one_by_one import jacobian_of_one, measures_of_one
 from pmjac_pin.batches.pieces import Piece
@@ -31,19 +32,27 @@ class FewPoses(Batch):
         # Bits must not depend on calls before: of one's own, its single calls are the first.
         self.mechanism, self.runs_on = replace(mechanism, _poses={}), "single calls"
         self._closing = Closing(self.mechanism, None)
+        self._at_poses = _OneByOne(self.mechanism)
 
-    def _jacobian_work(self, frame: FrameName) -> RatesWork:
+
+class _OneByOne(AtPoses):
+    """Finds by single calls what `AtPoses` finds by programs."""
+
+    def __init__(self, mechanism: Mechanism) -> None:
+        self._mechanism = mechanism
+
+    def jacobian(self, frame: FrameName) -> RatesWork:
         def work(piece: Piece, q: Array, J_eq: Array, status: Statuses) -> None:
             for k in range(len(q)):
                 piece.go_on()
-                J_eq[k], status[k] = jacobian_of_one(self.mechanism, q[k], frame)
+                J_eq[k], status[k] = jacobian_of_one(self._mechanism, q[k], frame)
 
         return work
 
-    def _ellipsoids_work(self) -> RatesWork:
-        return self._measures_work()
+    def ellipsoids(self) -> RatesWork:
+        return self.measures()
 
-    def _measures_work(self) -> RatesWork:
+    def measures(self) -> RatesWork:
         """Return what fills a piece of arrays that `ManyMeasures` has, or of the first of them."""
         names = tuple(shapes_of(ManyMeasures, 0, 0))
 
@@ -53,7 +62,7 @@ class FewPoses(Batch):
                 array[:] = np.nan if array.dtype == np.float64 else Status.CLOSED
             for k in range(len(q)):
                 piece.go_on()
-                for name, value in measures_of_one(self.mechanism, q[k]).items():
+                for name, value in measures_of_one(self._mechanism, q[k]).items():
                     if name in arrays:
                         arrays[name][k] = value
 

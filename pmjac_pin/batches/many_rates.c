@@ -37,7 +37,7 @@ void pmjac_rates(
         for (int64_t k = 0; k < nq; k++)
             for (int at = 0; at < LANES; at++)
                 program->inputs[k][at] = q[(start + (at < width ? at : width - 1)) * nq + k];
-        run_stage(program, 0);
+        run_stage(program, 0, width);
         for (int at = 0; at < width; at++) {
             certain[start + at] = (uint8_t)is_certain(asked, told, at);
             for (int64_t k = 0; k < entries; k++)

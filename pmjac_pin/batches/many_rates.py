@@ -76,7 +76,10 @@ class ManyRates:
             ctypes.byref(memory.struct),
             self._asked,
             address(rows),
-            *map(ctypes.c_int64, (rows.shape[1], count, entries, len(others))),
+            rows.shape[1],
+            count,
+            entries,
+            len(others),
             *map(address, (J_eq, others, certain)),
         )
         spares.put_back(memory)
@@ -93,4 +96,9 @@ class ManyRates:
 def rates_kernel() -> ctypes.CDLL | None:
     """Return the kernel that was built from the source beside it, None where there is none."""
     sources = ("closing/walk.h", "algebra/tape_kernel.c", "algebra/lanes.h")
-    return loaded("batches/_many_rates.so", "batches/many_rates.c", *sources)
+    library = loaded("batches/_many_rates.so", "batches/many_rates.c", *sources)
+    if library is not None:
+        numbers, pointers = [ctypes.c_int64] * 4, [ctypes.c_void_p] * 3
+        library.pmjac_rates.argtypes = [*[ctypes.c_void_p] * 3, *numbers, *pointers]
+        library.pmjac_rates.restype = None
+    return library

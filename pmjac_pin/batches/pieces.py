@@ -7,10 +7,12 @@ interrupts is not lost.
 from __future__ import annotations
 
 import os
+from _thread import start_new_thread
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from threading import Thread
+from itertools import pairwise, repeat
+from threading import Event
 from typing import Any, Generic, TypeAlias, TypeVar
 
 import numpy as np
@@ -22,7 +24,8 @@ from pmjac_pin.errors import ArgumentError, Interrupted, quoted
 from pmjac_pin.values.arrays import Array, Mask, ReadOnlyArrays, sealed
 from pmjac_pin.values.checks import check_callable
 
-PIECE = 4096  # poses: they fill the kernel's lanes, and some MB
+PIECE = 4096  # poses at most: they fill the kernel's lanes, and some MB
+_LANES = 16
 _HEARING = 0.2  # s: what waits for another thread does not hear every signal
 Progress: TypeAlias = Callable[[int, int], object]
 Results = TypeVar("Results", bound=ReadOnlyArrays)
@@ -63,12 +66,12 @@ PieceWork: TypeAlias = Callable[..., object]
 
 
 @dataclass(frozen=True, slots=True)
-class Manner(Generic[Results]):
+class Manner:
     """How many poses are computed.
 
     Attributes
     ----------
-    threads, progress, out
+    threads, progress
         As of `Batch.close`.
     given : tuple of ndarray
         What is read while results are filled.
@@ -76,18 +79,11 @@ class Manner(Generic[Results]):
 
     threads: int | None = None
     progress: Progress | None = None
-    out: Results | None = None
     given: tuple[Array, ...] = ()
 
 
-def gathered(
-    kind: type[Results],
-    shapes: Mapping[str, tuple[int, ...]],
-    work: PieceWork,
-    how: Manner[Results],
-    **more: Any,
-) -> Results:
-    """Return results of many poses.
+class Wanted(Generic[Results]):
+    """Results of many poses that are wanted.
 
     Parameters
     ----------
@@ -95,35 +91,102 @@ def gathered(
         A dataclass of arrays, one of which is called `status`.
     shapes : mapping of str to tuple of int
         Of its arrays, by their names.
-    work : callable
-        Fills the arrays of a piece, ``work(piece, *parts)``, in that order. Where the pieces end
-        depends on their number alone.
-    how : Manner
+    out : Results, optional
+        To be filled again.
     **more
         What the results are made with besides their arrays.
+    """
+
+    __slots__ = ("_kind", "_more", "_out", "_shapes")
+
+    def __init__(
+        self,
+        kind: type[Results],
+        shapes: Mapping[str, tuple[int, ...]],
+        out: Results | None = None,
+        **more: Any,
+    ) -> None:
+        self._kind, self._shapes, self._out, self._more = kind, shapes, out, more
+
+    def taken(self, given: Sequence[Array]) -> tuple[Results, dict[str, NDArray[Any]]]:
+        """Return the results and the arrays that they show, which nobody else fills.
+
+        Raises
+        ------
+        ArgumentError
+            Results that cannot be filled again, while this is read.
+        """
+        if self._out is None:
+            arrays = empty_arrays(self._shapes)
+            shown = {name: sealed(array) for name, array in arrays.items()}
+            return self._kind(**shown, **self._more), arrays
+        arrays = memory_of(self._out, self._kind, self._shapes, given)
+        self._out.__post_init__(**self._more)
+        return self._out, arrays
+
+
+def gathered(wanted: Wanted[Results], work: PieceWork, how: Manner) -> Results:
+    """Return results of many poses.
+
+    Parameters
+    ----------
+    wanted : Wanted
+    work : callable
+        Fills the arrays of a piece, ``work(piece, *parts)``, in their order. Where the pieces end
+        depends on the number of poses alone.
+    how : Manner
 
     Raises
     ------
     ArgumentError, Interrupted
     """
-    check_callable(how.progress, "progress")
-    threads, out = thread_count(how.threads), how.out
-    found = empty_arrays(shapes) if out is None else memory_of(out, kind, shapes, how.given)
-    filling = _Filling(list(found.values()), work)
-    result = kind(**{name: sealed(array) for name, array in found.items()}, **more)
-    if out is not None:
-        vars(out).update(vars(result))
-        result = out
-    try:
-        filling.fill(threads, how.progress)
-    except BaseException as stopped:
-        told = f"{filling.blank()} of {filling.count} poses"
-        if isinstance(stopped, KeyboardInterrupt):
-            raise interrupted(told, result) from None
-        raise
-    finally:
-        note_memory(result, found)
+    result: Results
+    (result,) = gathered_together((wanted,), work, how)
     return result
+
+
+def gathered_together(
+    wanted: Sequence[Wanted[Any]], work: PieceWork, how: Manner
+) -> tuple[Any, ...]:
+    """Return several results of the same poses, each piece of all of them at a time."""
+    check_callable(how.progress, "progress")
+    threads, taken = thread_count(how.threads), list[tuple[Any, dict[str, NDArray[Any]]]]()
+    try:
+        for one in wanted:
+            taken.append(one.taken(how.given))
+        results = tuple(result for result, _ in taken)
+        filling = _Filling([array for _, arrays in taken for array in arrays.values()], work)
+        try:
+            filling.fill(threads, how.progress)
+        except BaseException as stopped:
+            told = f"{filling.blank()} of {filling.count} poses"
+            if isinstance(stopped, KeyboardInterrupt):
+                done = results if len(results) > 1 else results[0]
+                raise interrupted(told, done) from None
+            raise
+    finally:
+        for result, arrays in taken:
+            note_memory(result, arrays)
+    return results
+
+
+def pieces_of(count: int) -> list[slice[int, int, None]]:
+    """Return the pieces of so many poses, whoever computes them.
+
+    They are alike, so that threads end together, but the first and the last, which are halves: else
+    threads would end each piece at one time, and wait for each other at Python's lock.
+
+    Examples
+    --------
+    >>> [piece.stop - piece.start for piece in pieces_of(10_000)]
+    [1264, 2528, 2528, 2528, 1152]
+    """
+    if count <= PIECE:
+        return [slice(0, count)] if count else []
+    alike = 2 * -(-count // (2 * PIECE))
+    half = -(-count // (2 * alike * _LANES)) * _LANES
+    ends = [0, *range(half, count, 2 * half), count]
+    return [slice(start, end) for start, end in pairwise(ends)]
 
 
 class _Filling:
@@ -135,27 +198,29 @@ class _Filling:
 
     def __init__(self, found: Sequence[NDArray[Any]], work: PieceWork) -> None:
         self.count, self._found, self._work = len(found[0]), found, work
-        starts = range(0, self.count, PIECE)
-        self._left = {at: slice(at, min(at + PIECE, self.count)) for at in starts}
-        self._waiting, self._ended = deque(starts), deque[int]()
+        self._left = {piece.start: piece for piece in pieces_of(self.count)}
+        self._waiting, self._ended = deque(self._left), deque[int]()
         self._failed: dict[int, Exception] = {}
         self.given_up = False
 
     def fill(self, threads: int, progress: Progress | None) -> None:
         """Fill the arrays; raise what went wrong in the first of the pieces where something did."""
         told = _Told(progress, self.count, self._ended)
-        helpers = [Thread(target=self._help) for _ in range(min(threads, len(self._left)) - 1)]
+        at_rest = [Event() for _ in range(min(threads, len(self._left)) - 1)]
+        helpers: list[int] = []
         try:
-            for helper in helpers:
-                helper.start()
+            # Not by `threading`, which waits until each runs: 0.1 ms where a core is to wake. And
+            # at once, so that whoever interrupts finds in `helpers` all that run.
+            helpers.extend(map(start_new_thread, repeat(self._help), zip(at_rest)))
             for _ in self._pieces():
                 told.on()
-            _wait_for(helpers)
+            _wait_for(at_rest)
             told.on()
         except BaseException:
             self._waiting.clear()
             self.given_up = True
-            _wait_for(helpers)  # each to its next step: nothing is written any more
+            # Each to its next step: nothing is written any more.
+            _wait_for(at_rest[: len(helpers)])
             raise
         for at in sorted(self._failed)[:1]:
             raise self._failed[at]
@@ -168,9 +233,12 @@ class _Filling:
                 array[piece] = nothing
         return self.count - sum(piece.stop - piece.start for piece in self._left.values())
 
-    def _help(self) -> None:
-        for _ in self._pieces():
-            pass
+    def _help(self, at_rest: Event) -> None:
+        try:
+            for _ in self._pieces():
+                pass
+        finally:
+            at_rest.set()
 
     def _pieces(self) -> Iterator[None]:
         """Fill pieces for as long as there are any; yield after each."""
@@ -208,10 +276,10 @@ class _Told:
             self._progress(self._done, self._count)
 
 
-def _wait_for(threads: Sequence[Thread]) -> None:
-    for thread in threads:
-        while thread.is_alive():
-            thread.join(_HEARING)
+def _wait_for(at_rest: Sequence[Event]) -> None:
+    for event in at_rest:
+        while not event.wait(_HEARING):
+            pass
 
 
 def interrupted(what: str, done: object) -> Interrupted:

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import InitVar, dataclass, field
 from enum import IntEnum
+from functools import lru_cache
+from types import MappingProxyType
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -173,13 +175,16 @@ _OF_ONE_POSE: dict[str, tuple[int, ...]] = {  # less the motors, which are -1
 }  # fmt: skip
 
 
-def shapes_of(kind: type[ManyJacobians], count: int, motors: int) -> dict[str, tuple[int, ...]]:
+@lru_cache(maxsize=64)
+def shapes_of(kind: type[ManyJacobians], count: int, motors: int) -> Mapping[str, tuple[int, ...]]:
     """Return the shapes of the arrays of so many poses."""
-    return {
-        name: (count, *(motors if size < 0 else size for size in shape))
-        for name, shape in _OF_ONE_POSE.items()
-        if name in kind.__dataclass_fields__
-    }
+    return MappingProxyType(
+        {
+            name: (count, *(motors if size < 0 else size for size in shape))
+            for name, shape in _OF_ONE_POSE.items()
+            if name in kind.__dataclass_fields__
+        }
+    )
 
 
 def empty_arrays(shapes: Mapping[str, tuple[int, ...]]) -> dict[str, NDArray[Any]]:

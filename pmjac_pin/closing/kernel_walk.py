@@ -21,7 +21,7 @@ from pmjac_pin.closing.path_kernel import (
 )
 from pmjac_pin.closing.step_guard import MARGIN
 from pmjac_pin.model.coordinates import JointCoordinates
-from pmjac_pin.values.arrays import Array, Index, aligned
+from pmjac_pin.values.arrays import Array, aligned
 
 if TYPE_CHECKING:
     from pmjac_pin.algebra.compiled_programs import CompiledProgram
@@ -93,7 +93,7 @@ class KernelMachine:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PathsToWalk:
-    """Paths, and what becomes of them.
+    """Paths, and where they end.
 
     Attributes
     ----------
@@ -101,39 +101,18 @@ class PathsToWalk:
         Closed poses; rows may be the same memory.
     displacement, target : ndarray, shape (b, n)
         Of the motors.
+    q, share : ndarray, shapes (b, nq) and (b,)
+        Where each ended, and at which share of the way; not before it is walked.
     design : ndarray, shape (b, k), or None
         What the programs take of each path's own machine; None where they are of one machine.
-    q, gap, share : ndarray, shapes (b, nq), (b,) and (b,)
-        Where each ended, how far the loops are open there, m, and at which share of the way.
-    iterations, end : ndarray of int, shape (b,)
     """
 
     start: Array
     displacement: Array
     target: Array
-    design: Array | None
     q: Array
-    gap: Array
     share: Array
-    iterations: Index
-    end: Index
-
-    @classmethod
-    def of(
-        cls,
-        start: Array,
-        displacement: Array,
-        target: Array,
-        design: Array | None = None,
-        ends: tuple[Array, Array] | None = None,
-    ) -> PathsToWalk:
-        """Return paths that are not walked yet; q and share of their ends go where it is told."""
-        count = len(start)
-        given = (start, np.ascontiguousarray(displacement), np.ascontiguousarray(target))
-        own = None if design is None else np.ascontiguousarray(design)
-        q, share = (np.empty(start.shape), np.zeros(count)) if ends is None else ends
-        whole = np.zeros((2, count), dtype=np.int64)
-        return cls(*given, own, q, np.zeros(count), share, *whole)
+    design: Array | None = None
 
 
 class KernelWalk:
@@ -146,6 +125,11 @@ class KernelWalk:
     move, arrival, leg : Tape
         Those of a `Walker`.
 
+    Attributes
+    ----------
+    gap : ndarray, shape (b or more,)
+        How far the loops are open where paths ended, m.
+    iterations, end : ndarray of int, shape (b or more,)
     """
 
     def __init__(
@@ -162,17 +146,21 @@ class KernelWalk:
         nv, motors = machine.struct.nv, machine.struct.motors
         # With the rates with each motor, how these bend by pairs, and their sizes.
         common = np.zeros(arrival.outputs + motors * (nv + 1) + motors * (motors + 1) // 2 * nv)
+        learnt = np.full(machine.struct.nq, np.nan)
         self._begin, self._walk = library.pmjac_begin, library.pmjac_walk
-        self._kept = machine, programs, point, states, common
+        self._kept = machine, programs, point, states, common, learnt
         self._struct = WalkStruct(
             ctypes.addressof(machine.struct),
             *(memory.struct for memory in programs),
             address(point),
             ctypes.addressof(states),
             address(common),
+            address(learnt),
             0.0,
         )
         self._argument = ctypes.byref(self._struct)
+        self._given: object = None
+        self._make_room(1)
 
     def take(
         self,
@@ -186,19 +174,38 @@ class KernelWalk:
 
         Where all start at one pose, `inverse` may be how large that of K* is there at most.
         """
-        struct, self._paths = self._struct, paths
-        struct.inverse = inverse
-        apart, count = paths.start.strides[0] // paths.start.itemsize, len(paths.start)
-        self._start = start = np.ascontiguousarray(paths.start if apart else paths.start[:1])
+        struct, count = self._struct, len(paths.start)
+        if count > len(self.end):
+            self._make_room(count)
+        apart = paths.start.strides[0] // paths.start.itemsize
+        start = np.ascontiguousarray(paths.start if apart else paths.start[:1])
+        ways = np.ascontiguousarray(paths.displacement), np.ascontiguousarray(paths.target)
+        design = None if paths.design is None else np.ascontiguousarray(paths.design)
+        self._given = start, ways, design, paths
         struct.start, struct.apart = address(start), start.shape[1] if apart else 0
-        struct.displacement, struct.target = address(paths.displacement), address(paths.target)
+        struct.displacement, struct.target = map(address, ways)
         struct.design, struct.designed = None, 0
-        if paths.design is not None:
-            struct.design, struct.designed = address(paths.design), paths.design.shape[1]
-        struct.q, struct.gap, struct.share = map(address, (paths.q, paths.gap, paths.share))
-        struct.iterations, struct.end = address(paths.iterations), address(paths.end)
-        struct.count, struct.most_tries = count, most_tries
+        if design is not None:
+            struct.design, struct.designed = address(design), design.shape[1]
+        struct.q, struct.share = address(paths.q), address(paths.share)
+        struct.inverse, struct.count, struct.most_tries = inverse, count, most_tries
         struct.few, struct.patience = few, min(patience, most_tries)
+
+    def _make_room(self, count: int) -> None:
+        self.gap = np.empty(count)
+        self.iterations, self.end = np.empty((2, count), dtype=np.int64)
+        struct = self._struct
+        struct.gap, struct.iterations = address(self.gap), address(self.iterations)
+        struct.end = address(self.end)
+
+    def let_go(self) -> None:
+        """Keep nothing of paths that are walked: they may be parts of large arrays."""
+        self._given = None
+
+    @property
+    def all_arrived(self) -> bool:
+        """Whether all paths that were taken are at their targets."""
+        return bool(self._struct.arrived == self._struct.count)
 
     def begin(self) -> None:
         """Go to where the paths start."""

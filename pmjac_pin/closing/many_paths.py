@@ -113,11 +113,14 @@ class Paths:
         At the target, at a pose where K* is singular, or where steps become too small beside one.
         The others ran out of steps, or ended where the bounds alone call K* singular, or right
         beside a target that may be: what `close` says of them is not known here.
+    all_arrived : bool
+        Whether it is known that all are at their targets.
     """
 
     q: Array
     share: Array
     settled: Mask
+    all_arrived: bool = False
 
     def less(self, doubtful: Mask) -> Paths:
         """Return paths of which these are not settled where they end early."""

@@ -11,8 +11,8 @@ from numpy.typing import ArrayLike
 from pmjac_pin.errors import ArgumentError, quoted, unknown_name
 from pmjac_pin.model.coordinates import LIMIT_SLACK, JointCoordinates
 from pmjac_pin.model.spec import MechanismSpec
-from pmjac_pin.values.arrays import Array
-from pmjac_pin.values.checks import LARGEST, as_numbers, seen_numbers
+from pmjac_pin.values.arrays import Array, Mask
+from pmjac_pin.values.checks import LARGEST, as_numbers, seen_numbers, within
 from pmjac_pin.values.named_values import named_values
 
 MotorValues: TypeAlias = ArrayLike | Mapping[str, float]
@@ -27,14 +27,16 @@ class Motors:
         Which joints are motors, and all that there are.
     """
 
-    __slots__ = ("_columns", "_coordinates", "_entries", "_limits")
+    __slots__ = ("_columns", "_coordinates", "_entries", "_limits", "_names", "_narrowest")
 
     def __init__(self, spec: MechanismSpec, coordinates: JointCoordinates) -> None:
         self._coordinates = coordinates
+        self._names = coordinates.dof_names(spec.actuated)
         columns = self._columns = coordinates.columns(spec.actuated)
         ends = (coordinates.lower - LIMIT_SLACK, coordinates.upper + LIMIT_SLACK)
         lower, upper = (np.clip(end[columns], -LARGEST, LARGEST).tolist() for end in ends)
         self._limits = list(zip(lower, upper, strict=True))
+        self._narrowest = max(lower, default=0.0), min(upper, default=0.0)
         # Where values are entries of q; elsewhere the coordinates know how these turn.
         straight = not (coordinates.wraps | coordinates.curved)[columns].any()
         entries = [coordinates.entry(column) for column in columns.tolist()]
@@ -52,6 +54,54 @@ class Motors:
                 return None
         copied: Array = given.copy()
         return copied
+
+    def table(self, given: Any) -> Array:
+        """Return values of many poses as an array (N, n), or say what was expected.
+
+        An array of doubles is returned as it is.
+
+        Parameters
+        ----------
+        given : array_like, shape (N, n), or columns by their names
+            Columns of a mapping, a pandas DataFrame, an xarray Dataset or NumPy's records are
+            taken by the names of the motors.
+
+        Raises
+        ------
+        UnknownNameError, ArgumentError
+            As `motor_values`; columns of unlike lengths.
+        """
+        if (columns := _columns(given)) is not None:
+            return self._by_columns(columns)
+        values = seen_numbers(given, "motor values")
+        if values.ndim != 2 or values.shape[1] != len(self._names):
+            wanted = f"(N, {len(self._names)}) for {', '.join(self._names)}"
+            raise ArgumentError(f"motor values of shape {wanted} expected, got {values.shape}")
+        return values
+
+    def _by_columns(self, columns: dict[Any, Any]) -> Array:
+        _check_motor_names(self._names, self._coordinates, columns)
+        ordered = [as_numbers(columns[name], f"values of motor {name!r}") for name in self._names]
+        shapes = {column.shape for column in ordered}
+        if len(shapes) > 1 or ordered[0].ndim != 1:
+            got = ", ".join(str(column.shape) for column in ordered)
+            raise ArgumentError(f"one value a pose expected of each motor, got shapes {got}")
+        return np.column_stack(ordered)
+
+    def beyond(self, values: Array) -> Mask | None:
+        """Tell of which of many values (N, n) one is beyond limits; None where none is."""
+        if within(values, self._narrowest):
+            return None
+        beyond = np.asarray(self._coordinates.beyond(values, self._columns).any(axis=1))
+        return beyond if beyond.any() else None
+
+    def ways(self, start: Array, values: Array) -> Array:
+        """Return how far the motors go from many q, or from one, to values (N, n)."""
+        if self._entries is None:
+            at_rest = self._coordinates.values_of(start, self._columns)
+            return self._coordinates.shorter_way(at_rest, values, self._columns)
+        ways: Array = values - start.take(self._entries, axis=-1)
+        return ways
 
     def way(self, q: Array, values: Array) -> Array:
         """Return the motion (n,) of the motors in one unit of time from q to these values."""
@@ -123,40 +173,6 @@ def _listed(names: tuple[str, ...], given: Any, what: str) -> Array:
         plural = "s" * (len(names) != 1)
         wanted = f"{len(names)} {what}{plural} ({', '.join(names)})"
         raise ArgumentError(f"{wanted} expected, got {got}")
-    return values
-
-
-def motor_table(spec: MechanismSpec, coordinates: JointCoordinates, actuated: Any) -> Array:
-    """Return motor values of many poses as an array (N, n), or say what was expected.
-
-    An array of doubles is returned as it is.
-
-    Parameters
-    ----------
-    spec, coordinates
-        As for `motor_values`.
-    actuated : array_like, shape (N, n), or columns by their names
-        Columns of a mapping, a pandas DataFrame, an xarray Dataset or NumPy's records are taken
-        by the names of the motors.
-
-    Raises
-    ------
-    UnknownNameError, ArgumentError
-        As `motor_values`; columns of unlike lengths.
-    """
-    names = coordinates.dof_names(spec.actuated)
-    if (columns := _columns(actuated)) is not None:
-        _check_motor_names(names, coordinates, columns)
-        ordered = [as_numbers(columns[name], f"values of motor {name!r}") for name in names]
-        shapes = {column.shape for column in ordered}
-        if len(shapes) > 1 or ordered[0].ndim != 1:
-            got = ", ".join(str(column.shape) for column in ordered)
-            raise ArgumentError(f"one value a pose expected of each motor, got shapes {got}")
-        return np.column_stack(ordered)
-    values = seen_numbers(actuated, "motor values")
-    if values.ndim != 2 or values.shape[1] != len(names):
-        wanted = f"(N, {len(names)}) for {', '.join(names)}"
-        raise ArgumentError(f"motor values of shape {wanted} expected, got {values.shape}")
     return values
 
 

@@ -89,15 +89,15 @@ class OnePath:
         walk.begin()
         while walk.go_on(_STEPS_AT_ONCE):
             pass
-        if paths.end[0] == SPENT:
+        if walk.end[0] == SPENT:
             return None
-        return Ahead(
-            paths.q[0].copy(), float(paths.gap[0]), float(paths.share[0]), int(paths.iterations[0])
-        )
+        gap, iterations = float(walk.gap[0]), int(walk.iterations[0])
+        return Ahead(paths.q[0].copy(), gap, float(paths.share[0]), iterations)
 
     def _work(self) -> tuple[KernelWalk, PathsToWalk]:
         walk = KernelWalk(self._library, self._machine, self._tapes)
-        motors = np.zeros((2, 1, self._scale.size))
-        paths = PathsToWalk.of(np.zeros((1, self._tapes[0].outputs)), *motors)
+        start, q = np.zeros((2, 1, self._tapes[0].outputs))
+        displacement, target = np.zeros((2, 1, self._scale.size))
+        paths = PathsToWalk(start, displacement, target, q, np.zeros(1))
         walk.take(paths)
         return walk, paths

@@ -26,7 +26,7 @@ static void finish(Walk *walk, int at, int64_t end)
     walk->gap[lane->path] = known(machine, walk->point)[GAP][at];
     walk->share[lane->path] = lane->share;
     walk->iterations[lane->path] = lane->iterations;
-    walk->end[lane->path] = end;
+    walk->end[lane->path] = end, walk->arrived += end == ARRIVED;
     lane->state = IDLE, lane->stride = 0.0;
 }
 
@@ -64,23 +64,23 @@ static void take_up(Walk *walk, int at)
     }
 }
 
-/* Take up the first paths. Lanes that have none hold the last one: numbers that are none would
- * take long. */
+/* Take up the first paths. Lanes behind the last one that has a path are left alone. */
 void pmjac_begin(Walk *walk)
 {
     if (have_common_start(walk)) learn_common(walk);
-    walk->taken = 0;
+    walk->taken = walk->busy = walk->arrived = 0;
     for (int lane = 0; lane < LANES; lane++) {
-        put(walk, lane, walk->count - 1);
         walk->lanes[lane].state = IDLE;
         take_up(walk, lane);
+        if (walk->lanes[lane].state != IDLE) walk->busy = lane + 1;
     }
 }
 
-/* How many lanes have a path to go on with. */
-static int set_all_out(Walk *walk)
+/* Up to which lane they have a path to go on with. */
+static int64_t set_all_out(Walk *walk)
 {
-    int living = 0, going = 0;
+    int living = 0;
+    int64_t busy = 0;
     for (int at = 0; at < LANES; at++) living += walk->lanes[at].state != IDLE;
     int few = walk->taken == walk->count && living <= walk->few;
     for (int at = 0; at < LANES; at++) {
@@ -89,9 +89,9 @@ static int set_all_out(Walk *walk)
             if (end != GOES_ON) finish(walk, at, end);
         }
         take_up(walk, at);
-        going += walk->lanes[at].state != IDLE;
+        if (walk->lanes[at].state != IDLE) busy = at + 1;
     }
-    return going;
+    return walk->busy = busy;
 }
 
 static void set_motors(const Machine *machine, const double *target, Row *q, int lane)
@@ -126,7 +126,7 @@ INLINE void predict(Walk *walk)
     copy(walk->move.inputs, walk->point, machine->nq);
     copy(walk->move.inputs + machine->nq, leaving, machine->nv);
     if (have_common_start(walk)) bend(walk, walk->move.inputs + machine->nq);
-    pmjac_run_once(&walk->move);
+    run_stage(&walk->move, 0, walk->busy);
     copy_where(steps, ahead, walk->move.outputs, machine->nq);
     for (int at = 0; at < LANES; at++) {
         const Lane *lane = walk->lanes + at;
@@ -166,7 +166,7 @@ INLINE void correct(Walk *walk)
     for (;;) {
         int64_t on[LANES];
         int any = 0;
-        pmjac_run_once(&walk->arrival);
+        run_stage(&walk->arrival, 0, walk->busy);
         for (int at = 0; at < LANES; at++) {
             on[at] = corrects(machine, walk->lanes + at, of[GAP][at], of[CORRECTION][at]);
             any |= on[at] != 0;
@@ -210,7 +210,7 @@ INLINE void judge(Walk *walk)
     for (int64_t k = 0; k < machine->nv; k++)
         EACH arriving[k][i] = onward[k][i] * stride[i];
     for (int part = 0; part < BOUNDS && left; part++) {
-        run_stage(&walk->leg, part);
+        run_stage(&walk->leg, part, walk->busy);
         for (int at = 0; at < LANES; at++) {
             Lane *lane = walk->lanes + at;
             if (lane->state == CLOSED

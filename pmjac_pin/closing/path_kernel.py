@@ -87,13 +87,15 @@ class WalkStruct(ctypes.Structure):
     _fields_ = (
         ("machine", _Pointer),
         *((name, ProgramStruct) for name in ("move", "arrival", "leg")),
-        *((name, _Pointer) for name in ("point", "lanes", "common")),
+        *((name, _Pointer) for name in ("point", "lanes", "common", "learnt")),
         ("inverse", _Number),
         *((name, _Pointer) for name in ("start", "displacement", "target", "design")),
         *(
             (name, _Count)
             for name in ("designed", "apart", "count", "taken", "most_tries", "few", "patience")
         ),
+        ("busy", _Count),
+        ("arrived", _Count),
         *((name, _Pointer) for name in ("q", "gap", "share", "iterations", "end")),
     )
 

@@ -13,7 +13,6 @@ from pmjac_pin.closing import closure
 from pmjac_pin.closing.closed import closed_point
 from pmjac_pin.closing.closure_problem import ClosureProblem
 from pmjac_pin.closing.kernel_walk import (
-    ARRIVED,
     DOUBTFUL,
     SPENT,
     KernelMachine,
@@ -100,21 +99,24 @@ class PathsInLanes:
         """
         if not len(q):
             return Paths(q.copy(), np.zeros(0), np.zeros(0, dtype=bool))
-        walk, paths = self._walks.take(), PathsToWalk.of(q, displacement, target, design, ends)
+        found, share = (np.empty(q.shape), np.empty(len(q))) if ends is None else ends
+        walk = self._walks.take()
+        paths = PathsToWalk(q, displacement, target, found, share, design)
         at_one = not q.strides[0] and design is None
         walk.take(paths, most_steps, FEW, LONG, self._inverse_at(q[0]) if at_one else 0.0)
         walk.begin()
         go_on()
         while walk.go_on(_LANE_STEPS_AT_ONCE):
             go_on()
+        end = None if walk.all_arrived else walk.end[: len(q)].copy()
+        walk.let_go()
         self._walks.put_back(walk)
-        if (arrived := paths.end == ARRIVED).all():
-            return Paths(paths.q, paths.share, arrived)
-        ended = Paths(paths.q, paths.share, paths.end != SPENT)
-        doubtful = paths.end == DOUBTFUL
+        if end is None:
+            return Paths(found, share, np.ones(len(q), dtype=bool), all_arrived=True)
+        ended = Paths(found, share, end != SPENT)
         if design is not None:
-            return ended.less(doubtful)
-        return judged(self._problem, ended, displacement, doubtful)
+            return ended.less(end == DOUBTFUL)
+        return judged(self._problem, ended, displacement, end == DOUBTFUL)
 
     def _another_walk(self) -> KernelWalk:
         return KernelWalk(self._library, self._machine, self._tapes, self._compiled)

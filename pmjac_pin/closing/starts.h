@@ -4,7 +4,7 @@
 #define LITTLE 4e-3 /* of the largest step: far enough that what Newton's method corrects is no rounding */
 
 /* A program of one stage. */
-void pmjac_run_once(const Program *program) { run_stage(program, 0); }
+void pmjac_run_once(const Program *program) { run_stage(program, 0, LANES); }
 
 INLINE int have_common_start(const Walk *walk)
 {
@@ -86,7 +86,7 @@ static void ask_bends(Walk *walk, const double *pace, int64_t first, int64_t cou
             walk->arrival.inputs[machine->nq + k][lane] = lane % 2 ? -size * way : size * way;
         }
     }
-    pmjac_run_once(&walk->arrival);
+    run_stage(&walk->arrival, 0, (int)(2 * count));
     for (int64_t at = 0; at < count; at++, bend += nv)
         for (int64_t k = 0; k < nv; k++)
             bend[k] = (found[k][2 * at] + found[k][2 * at + 1]) / (2.0 * size * size);
@@ -139,22 +139,25 @@ INLINE void bend(Walk *walk, Row *motion)
         }
 }
 
-/* What is known where all paths start: lanes are asked for the rates with a motor each. */
+/* What is known where all paths start, unless that is where those of the call before did: lanes are
+ * asked for the rates with a motor each. */
 static void learn_common(Walk *walk)
 {
     const Machine *machine = walk->machine;
     int64_t nq = machine->nq, nv = machine->nv, motors = machine->motors;
+    if (!memcmp(walk->learnt, walk->start, (size_t)nq * sizeof(double))) return;
     Row *inputs = walk->arrival.inputs, *found = walk->arrival.outputs;
     double *of_motor = walk->common + numbers(machine);
     for (int64_t k = 0; k < nq + nv + motors; k++)
         for (int lane = 0; lane < LANES; lane++)
             inputs[k][lane] = k < nq ? walk->start[k] : k == nq + nv + lane;
-    pmjac_run_once(&walk->arrival);
+    run_stage(&walk->arrival, 0, (int)motors);
     for (int64_t k = 0; k < numbers(machine); k++) walk->common[k] = found[k][0];
     for (int64_t motor = 0; motor < motors; motor++)
         for (int64_t k = 0; k < nv; k++)
             of_motor[motor * nv + k] = velocity(machine, found)[k][motor];
     learn_bends(walk);
+    memcpy(walk->learnt, walk->start, (size_t)nq * sizeof(double));
 }
 
 /* How large the inverse of K* is, as it is known best. */

@@ -1,5 +1,6 @@
 /* What a walk of LANES paths works on, and where all of that is. */
 #include "../algebra/tape_kernel.c"
+#include <string.h>
 
 typedef double Row[LANES]; /* a number of each lane */
 
@@ -12,19 +13,21 @@ typedef struct {
     int64_t length, stages[BOUNDS];
     Row *slots, *inputs, *outputs;
     void (*compiled)(
-        int64_t stage, int64_t lanes, const double *inputs, double *outputs, double *kept);
+        int64_t stage, int64_t apart, int64_t lanes, const double *inputs, double *outputs,
+        double *kept);
 } Program;
 
-static void run_stage(const Program *program, int stage)
+/* In the first lanes, so many. */
+static void run_stage(const Program *program, int stage, int lanes)
 {
     const double *inputs = (const double *)program->inputs;
     double *outputs = (double *)program->outputs;
     if (program->compiled) {
-        program->compiled(stage, LANES, inputs, outputs, (double *)program->slots);
+        program->compiled(stage, LANES, lanes, inputs, outputs, (double *)program->slots);
         return;
     }
     int64_t from = stage ? program->stages[stage - 1] : 0, length = program->stages[stage] - from;
-    run(program->code + 5 * from, length, program->slots, inputs, LANES, 0, LANES, outputs);
+    run(program->code + 5 * from, length, program->slots, inputs, LANES, 0, lanes, outputs);
 }
 
 typedef struct {
@@ -60,10 +63,13 @@ typedef struct {
     Lane *lanes;
     double *common; /* of one start: all of its point, (motors, nv), the rates with each motor, and how
                      * paths bend there (`learn_bends`) */
+    double *learnt; /* its q, no number before it is known */
     double inverse; /* of K* at one start by its smallest singular value, 0 where that is not known */
     const double *start, *displacement, *target;
     const double *design; /* what programs know of each path's own machine: the last of their inputs */
     int64_t designed, apart, count, taken, most_tries, few, patience;
+    int64_t busy; /* lanes up to the last one that has a path */
+    int64_t arrived; /* paths at their targets */
     double *q, *gap, *share;
     int64_t *iterations, *end;
 } Walk;

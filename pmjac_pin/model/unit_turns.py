@@ -37,11 +37,17 @@ class UnitRows:
     model : pin.Model
     """
 
-    __slots__ = ("_model", "_turning")
+    __slots__ = ("_entries", "_model", "_unknown")
 
     def __init__(self, model: pin.Model) -> None:
         self._model = model
-        self._turning = [joint for joint in list(model.joints)[1:] if joint.nq > joint.nv]
+        turning = [joint for joint in list(model.joints)[1:] if joint.nq > joint.nv]
+        kinds = [(joint, kind_of(joint)) for joint in turning]
+        # Of joints of no known kind Pinocchio alone knows which entries are a turn.
+        self._unknown = any(kind is None for _, kind in kinds)
+        turns = [range(j.idx_q + k.slides, j.idx_q + j.nq) for j, k in kinds if k is not None]
+        alike = [[turn for turn in turns if len(turn) == size] for size in (2, 4)]
+        self._entries = [np.array(some, dtype=np.intp) for some in alike if some]
 
     def of(self, q: Array) -> Array:
         """Return q (N, nq) with turns of unit length, in a new array where a row is changed.
@@ -50,9 +56,11 @@ class UnitRows:
         ------
         ArgumentError
         """
-        if not self._turning:
+        if not (self._unknown or self._entries):
             return q
-        off = np.logical_or.reduce([_is_off(joint, q) for joint in self._turning])
+        off = np.full(len(q), self._unknown)
+        for entries in self._entries:
+            off |= _is_off(q.take(entries, axis=1))
         if not off.any():
             return q
         q = q.copy()
@@ -61,9 +69,7 @@ class UnitRows:
         return q
 
 
-def _is_off(joint: pin.JointModel, q: Array) -> Mask:
-    """Tell in which rows a joint's turn is not of unit length, or may not be."""
-    if (kind := kind_of(joint)) is None:  # Pinocchio alone knows which entries are a turn
-        return np.ones(len(q), dtype=bool)
-    turns = q[:, joint.idx_q + kind.slides : joint.idx_q + joint.nq]
-    return np.asarray(np.abs(np.linalg.norm(turns, axis=1) - 1.0) > 0.5 * UNIT)
+def _is_off(turns: Array) -> Mask:
+    """Tell in which rows one of the turns (N, t, k) is not of unit length, or may not be."""
+    squares = np.einsum("ntk,ntk->nt", turns, turns)
+    return np.asarray((np.abs(squares - 1.0) > UNIT).any(axis=1))

@@ -40,7 +40,11 @@ def fill_radii(J_eq: Array, sizes: Array, linear: Array, angular: Array) -> None
 def radii_kernel() -> ctypes.CDLL | None:
     """Return the kernel that was built from the source beside it, None where there is none."""
     sources = ("rates/many_radii.c", "algebra/singular_values.c", "algebra/lanes.h")
-    return loaded("rates/_many_radii.so", *sources)
+    library = loaded("rates/_many_radii.so", *sources)
+    if library is not None:
+        pointer, number = ctypes.c_void_p, ctypes.c_int64
+        library.pmjac_radii.argtypes = [pointer, number, number, *[pointer] * 4]
+    return library
 
 
 def _by_kernel(
@@ -49,8 +53,8 @@ def _by_kernel(
     given, beside = np.ascontiguousarray(J_eq), np.ascontiguousarray(sizes)
     failed = library.pmjac_radii(
         address(given),
-        ctypes.c_int64(given.shape[2]),
-        ctypes.c_int64(len(given)),
+        given.shape[2],
+        len(given),
         address(beside),
         _TO_ZERO,
         address(linear),

@@ -61,11 +61,16 @@ def seen_numbers(given: object, what: str) -> Array:
     return given
 
 
+def within(array: Array, ends: tuple[float, float]) -> bool:
+    """Tell whether all numbers are in an interval; of NaN, False. No array is made for it."""
+    lower, upper = ends
+    return not array.size or (
+        array.item(array.argmax()) <= upper and array.item(array.argmin()) >= lower
+    )
+
+
 def _check_size(array: Array, given: object, what: str, largest: float) -> None:
-    # False of NaN; no array of magnitudes is made, which may be large.
-    if not array.size or (
-        array.item(array.argmax()) <= largest and array.item(array.argmin()) >= -largest
-    ):
+    if within(array, (-largest, largest)):
         return
     if not np.isfinite(array).all():
         raise ArgumentError(f"{what} must be finite, got {quoted(given)}")

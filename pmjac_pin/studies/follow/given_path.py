@@ -11,7 +11,6 @@ import numpy as np
 from numpy.polynomial.chebyshev import cheb2poly, chebvander
 from scipy.constants import golden
 
-from pmjac_pin.closing.motor_values import motor_table
 from pmjac_pin.errors import ArgumentError, quoted
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.studies.follow.motor_path import MotorPath, PathPiece
@@ -50,7 +49,7 @@ def motor_path(mechanism: Mechanism, path: Any, times: Any = None) -> MotorPath:
         raise ArgumentError(f"{mechanism.name}: {message}; give it as joints of one each")
 
     def table(given: Any) -> Array:
-        values = motor_table(mechanism.spec, coordinates, given).copy()
+        values = mechanism.motors.table(given).copy()
         wraps = coordinates.wraps[motors]
         values[:, wraps] = np.unwrap(values[:, wraps], axis=0)
         return values

@@ -1,0 +1,82 @@
+"""Poses and what is found there in one go: what two calls say, bit by bit."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from mechanisms import mostly_slow
+from test_batch import NAMES, machine, targets
+from test_filled_again import equal
+
+import pmjac_pin as pj
+from pmjac_pin.batches.pieces import PIECE
+
+CALLS = ("ellipsoids", "measures")
+
+
+@pytest.mark.parametrize("call", CALLS)
+@pytest.mark.parametrize("name", list(mostly_slow(NAMES, ("five_bar", "four_bar", "delta"))))
+def test_the_same_as_by_two_calls(name, call, rng):
+    """Also where paths end early, or a pose is outside limits."""
+    many = pj.batch(machine(name))
+    values = targets(many.mechanism, 10, 0.5, rng)
+    expected = many.close(values)
+    poses, found = getattr(many, f"{call}_at")(values)
+    equal(poses, expected)
+    equal(found, getattr(many, call)(expected.q))
+
+
+@pytest.mark.parametrize("call", CALLS)
+def test_by_pieces_threads_and_guesses(call, rng):
+    many = pj.batch(machine("five_bar"))
+    values = targets(many.mechanism, 2 * PIECE + 10, 0.2, rng)
+    guesses, told = many.close(values + 0.01).q, []
+    expected = many.close(values, guess=guesses)
+    poses, found = getattr(many, f"{call}_at")(
+        values, guesses, threads=2, progress=lambda *given: told.append(given)
+    )
+    assert told[-1] == (len(values), len(values))
+    equal(poses, expected)
+    equal(found, getattr(many, call)(expected.q))
+
+
+@pytest.mark.parametrize("call", CALLS)
+def test_filled_again(call, rng):
+    many = pj.batch(machine("three_rps"))
+    first, then = (targets(many.mechanism, 50, 0.2, rng) for _ in range(2))
+    of = getattr(many, f"{call}_at")
+    out, expected = of(first), of(then)
+    again = of(then, out=out)
+    for one, other, same in zip(again, out, expected, strict=True):
+        assert one is other
+        equal(one, same)
+
+
+def test_what_cannot_be_filled_is_refused_and_stays(rng):
+    many = pj.batch(machine("five_bar"))
+    values = targets(many.mechanism, 20, 0.2, rng)
+    poses, found = many.ellipsoids_at(values)
+    _, measures = many.measures_at(values)
+    shorter = many.ellipsoids_at(values[:7])
+    for out in (poses, [poses, found], (poses,), (found, poses), (poses, measures), shorter):
+        with pytest.raises(pj.ArgumentError, match="`out`"):
+            many.ellipsoids_at(values, out=out)
+    assert many.ellipsoids_at(values, out=(poses, found))[0] is poses
+
+
+def test_an_interrupt_keeps_both(rng):
+    many = pj.batch(machine("five_bar"))
+    values = targets(many.mechanism, 3 * PIECE, 0.1, rng)
+
+    def stop(done, count):
+        raise KeyboardInterrupt
+
+    with pytest.raises(pj.Interrupted) as raised:
+        many.measures_at(values, threads=1, progress=stop)
+    poses, found = raised.value.done
+    done = poses.status != pj.Status.NOT_DONE
+    assert 0 < done.sum() < len(values)
+    np.testing.assert_array_equal(found.status != pj.Status.NOT_DONE, done)
+    equal_there = many.measures(poses.q[done])
+    np.testing.assert_array_equal(found.J_eq[done], equal_there.J_eq)
+    assert np.isnan(found.smallest[~done]).all()
