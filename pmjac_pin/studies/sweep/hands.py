@@ -6,7 +6,7 @@ import contextlib
 import multiprocessing
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import cache, partial
 from typing import Any, TypeAlias, TypeVar
@@ -43,6 +43,13 @@ class Hands:
 
     def __post_init__(self) -> None:
         check_callable(self.progress, "progress")
+
+    @property
+    def elsewhere(self) -> bool:
+        """Whether jobs are sent to other processes."""
+        if self.client is None:
+            return self.workers > 1
+        return not isinstance(self.client, ThreadPoolExecutor)
 
     def results(self, function: Callable[..., T], jobs: Sequence[tuple[Any, ...]]) -> Iterator[T]:
         """Yield the results of all jobs in their order, a few being handed out at a time."""
