@@ -12,7 +12,7 @@ from functools import cache, partial
 from typing import Any, TypeAlias, TypeVar
 
 from pmjac_pin.batches.pieces import Progress
-from pmjac_pin.errors import ArgumentError, quoted
+from pmjac_pin.errors import ArgumentError, PmjacError, quoted
 from pmjac_pin.values.checks import check_callable
 
 #: (function, *arguments) ↦ what has a `result()`.
@@ -95,7 +95,13 @@ class _Ray:
         self._get, self._remote = ray.get, cache(ray.remote)
 
     def __call__(self, function: Callable[..., Any], *arguments: Any) -> Any:
-        return _Here(self._get, self._remote(function).remote(*arguments))
+        return _Here(self._result, self._remote(function).remote(*arguments))
+
+    def _result(self, task: Any) -> Any:
+        try:
+            return self._get(task)
+        except PmjacError as error:  # Ray's child of it, with what it says in a traceback
+            raise getattr(error, "cause", error) from error
 
 
 def _submit_of(client: Any) -> Submit:
