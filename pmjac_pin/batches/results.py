@@ -176,22 +176,22 @@ class ManyEllipsoids(ManyJacobians):
     @property
     def velocity_rank(self) -> Array:
         """How many velocity radii are not zero, shape (N,): `velocity_ellipsoid().rank`."""
-        return _ranks(self.velocity_radii)
+        return _ranks_of_radii(self.velocity_radii)
 
     @property
     def angular_rank(self) -> Array:
         """How many angular radii are not zero, shape (N,): `angular_ellipsoid().rank`."""
-        return _ranks(self.angular_radii)
+        return _ranks_of_radii(self.angular_radii)
 
     @property
     def velocity_volume(self) -> Array:
         """4/3 π r₁ r₂ r₃, (m/s)³, shape (N,): `velocity_ellipsoid().volume`, 0 where it is flat."""
-        return _volumes(self.velocity_radii)
+        return _volumes_of_radii(self.velocity_radii)
 
     @property
     def angular_volume(self) -> Array:
         """As `velocity_volume`, (rad/s)³, shape (N,): `angular_ellipsoid().volume`."""
-        return _volumes(self.angular_radii)
+        return _volumes_of_radii(self.angular_radii)
 
 
 @dataclass(frozen=True, eq=False)
@@ -214,12 +214,12 @@ class ManyMeasures(ManyEllipsoids):
     rotation: Array
 
 
-def _ranks(radii: Array) -> Array:
+def _ranks_of_radii(radii: Array) -> Array:
     """Return numbers, since none is NaN: of no whole number it could be told that it is none."""
     return read_only(np.where(np.isnan(radii).any(axis=1), np.nan, (radii != 0.0).sum(axis=1)))
 
 
-def _volumes(radii: Array) -> Array:
+def _volumes_of_radii(radii: Array) -> Array:
     return read_only(4 / 3 * math.pi * radii.prod(axis=1))
 
 

@@ -43,7 +43,7 @@ def named_axes(given: object, what: str, units: Mapping[str, str]) -> dict[str, 
     {'l1': array([1. , 1.1])}
     """
     if _is_dataset(given):
-        columns = _variables(given, units)
+        columns = _dataset_variables(given, units)
         along: dict[Any, Any] = {}
         for name, column in columns.items():
             other = along.setdefault(column.dims, name)
@@ -56,7 +56,7 @@ def named_axes(given: object, what: str, units: Mapping[str, str]) -> dict[str, 
         raise ArgumentError(f"`{what}`: the values in a row of a table belong together: {right}")
     else:
         columns = _of_mapping(given, what)
-    return _numbers(columns, what, units)
+    return _columns_of_numbers(columns, what, units)
 
 
 def named_samples(given: object, what: str, units: Mapping[str, str]) -> dict[str, Array]:
@@ -76,7 +76,7 @@ def named_samples(given: object, what: str, units: Mapping[str, str]) -> dict[st
     ArgumentError
     """
     if _is_dataset(given):
-        columns = _variables(given, units)
+        columns = _dataset_variables(given, units)
         dimensions = {name: column.dims for name, column in columns.items() if column.ndim == 1}
         if len(set(dimensions.values())) > 1:
             got = ", ".join(f"{name!r} along {dims[0]!r}" for name, dims in dimensions.items())
@@ -86,7 +86,7 @@ def named_samples(given: object, what: str, units: Mapping[str, str]) -> dict[st
         columns = table | _row_labels(given, units)
     else:
         columns = _of_mapping(given, what)
-    return _numbers(columns, what, units)
+    return _columns_of_numbers(columns, what, units)
 
 
 def columns_of(given: Any) -> dict[Any, Any] | None:
@@ -124,7 +124,7 @@ def _is_dataset(given: Any) -> bool:
     return hasattr(given, "data_vars") and hasattr(given, "coords")
 
 
-def _variables(given: Any, known: Mapping[str, str]) -> dict[Any, Any]:
+def _dataset_variables(given: Any, known: Mapping[str, str]) -> dict[Any, Any]:
     """Return a dataset's variables and coordinates, but for those that label a known one's rows."""
     found = {name: given[name] for name in (*given.data_vars, *given.coords)}
     labelled = {dimension for name in found if name in known for dimension in found[name].dims}
@@ -144,7 +144,9 @@ def _of_mapping(given: object, what: str) -> dict[Any, Any]:
     return dict(given)
 
 
-def _numbers(columns: Mapping[Any, Any], what: str, units: Mapping[str, str]) -> dict[str, Array]:
+def _columns_of_numbers(
+    columns: Mapping[Any, Any], what: str, units: Mapping[str, str]
+) -> dict[str, Array]:
     if not columns:
         raise ArgumentError(f"`{what}` is a mapping of names to values, and here are none")
     found = {}
@@ -153,12 +155,12 @@ def _numbers(columns: Mapping[Any, Any], what: str, units: Mapping[str, str]) ->
         if not isinstance(name, str) or values.ndim != 1 or not values.size:
             wanted = f"`{what}`: a list of values for {quoted(name)} expected"
             raise ArgumentError(f"{wanted}, got shape {values.shape}")
-        _check_unit(given, f"`{what}`: {name!r}", units.get(name))
+        _check_stated_unit(given, f"`{what}`: {name!r}", units.get(name))
         found[name] = values
     return found
 
 
-def _check_unit(column: Any, what: str, wanted: str | None) -> None:
+def _check_stated_unit(column: Any, what: str, wanted: str | None) -> None:
     """Raise ArgumentError where a column's attributes state another unit than ours."""
     attributes = getattr(column, "attrs", None)
     if wanted is None or not isinstance(attributes, Mapping):

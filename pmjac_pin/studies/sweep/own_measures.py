@@ -19,8 +19,8 @@ from pmjac_pin.values.found_once import found_once
 #: (N poses that have J_eq, what was found at them) ↦ an array (N, ...).
 Measure: TypeAlias = Callable[[ManyClosed, ManyMeasures], Any]
 
-_WANTED = "`measures` is a list of names, or of pairs (name, function)"
-_TRIED = 11  # times the guess: as no other axis of what is found is long
+_MEASURES_WANTED = "`measures` is a list of names, or of pairs (name, function)"
+_TIMES_TRIED = 11  # times the guess: as no other axis of what is found is long
 
 
 class OwnMeasure:
@@ -58,9 +58,9 @@ class OwnMeasure:
             return _pickled(self.function)
         except Exception as error:
             right = "write it with `def` in a module, install cloudpickle, or give `workers=1`"
-            raise self._fault(f"cannot be sent to other processes ({_said(error)}): {right}") from (
-                error
-            )
+            raise self._fault(
+                f"cannot be sent to other processes ({_error_in_words(error)}): {right}"
+            ) from (error)
 
     @found_once
     def function(self) -> Measure:
@@ -74,9 +74,9 @@ class OwnMeasure:
             return pickle.loads(self.contents)  # type: ignore[no-any-return]
         except Exception as error:
             right = "write it in a module that they can import, or give `workers=1`"
-            raise self._fault(f"is not found by other processes ({_said(error)}): {right}") from (
-                error
-            )
+            raise self._fault(
+                f"is not found by other processes ({_error_in_words(error)}): {right}"
+            ) from (error)
 
     def at(self, poses: ManyClosed, found: ManyMeasures) -> Array:
         """Return what it says of N poses, shape (N, *shape).
@@ -98,7 +98,7 @@ class OwnMeasure:
         try:
             returned = function(poses, found)
         except Exception as error:
-            raise self._fault(f"raised {_said(error)}") from error
+            raise self._fault(f"raised {_error_in_words(error)}") from error
         try:
             values = np.asarray(returned)
         except ValueError:  # lists of unlike lengths
@@ -124,12 +124,12 @@ def asked_measures(given: object) -> dict[str, Measure | None]:
         twice, or is none of Python's.
     """
     if isinstance(given, str) or not isinstance(given, Iterable):
-        raise ArgumentError(f"{_WANTED}, got {quoted(given)}")
+        raise ArgumentError(f"{_MEASURES_WANTED}, got {quoted(given)}")
     asked: dict[str, Measure | None] = {}
     for entry in given.items() if isinstance(given, Mapping) else given:
         name, function = entry if isinstance(entry, tuple) and len(entry) == 2 else (entry, None)
         if not isinstance(name, str) or (entry is not name and not callable(function)):
-            raise ArgumentError(f"{_WANTED}, it holds {quoted(entry)}")
+            raise ArgumentError(f"{_MEASURES_WANTED}, it holds {quoted(entry)}")
         if function is not None and not name.isidentifier():
             raise ArgumentError(f"a measure of one's own has a name like 'reach_2', got {name!r}")
         if name in asked and asked[name] is not function:
@@ -156,7 +156,7 @@ def own_measures(
     if (status := Status(found.status[0])) != Status.CLOSED:
         told = f"are tried at the guess, {guess!r}, where J_eq is {status.name}"
         raise ArgumentError(f"measures of one's own {told}: name another pose as `guess`")
-    again = np.zeros(_TRIED, dtype=np.intp)
+    again = np.zeros(_TIMES_TRIED, dtype=np.intp)
     tried = poses.part(again), found.part(again)
     measures = [OwnMeasure(name, function, ()) for name, function in functions.items()]
     return tuple(
@@ -176,5 +176,5 @@ def _pickled(function: Measure) -> bytes:
     return pickle.dumps(function)
 
 
-def _said(error: Exception) -> str:
+def _error_in_words(error: Exception) -> str:
     return shortened(f"{type(error).__name__}: {error}")

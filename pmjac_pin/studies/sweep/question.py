@@ -13,7 +13,7 @@ from pmjac_pin.model.limits import enforced
 from pmjac_pin.model.spec import encode_spec
 from pmjac_pin.studies.sweep.own_measures import OwnMeasure, asked_measures, own_measures
 from pmjac_pin.studies.sweep.points import Points
-from pmjac_pin.studies.sweep.variables import VARIABLES, Labels, labels_of
+from pmjac_pin.studies.sweep.variables import VARIABLES, AxisLabels, labels_of
 from pmjac_pin.studies.sweep.work import SweepWork
 
 
@@ -71,7 +71,7 @@ def question(
 
 
 def _check_told_apart(
-    points: Points, labels: Mapping[str, Labels], own: Iterable[OwnMeasure]
+    points: Points, labels: Mapping[str, AxisLabels], own: Iterable[OwnMeasure]
 ) -> None:
     """Raise ArgumentError where two things of the dataset have one name."""
     taken = {*labels, *VARIABLES, "done"}

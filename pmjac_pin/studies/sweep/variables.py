@@ -20,7 +20,7 @@ from pmjac_pin.values.arrays import Array, Index, Mask
 
 _UNMEASURED = frozenset({"status", "share", "q", "J_eq", "Jv_eq", "Jw_eq"})
 #: Along an axis that is not one of the points.
-Labels: TypeAlias = Sequence[str] | range
+AxisLabels: TypeAlias = Sequence[str] | range
 _ROWS = ("vx", "vy", "vz", "wx", "wy", "wz")
 
 
@@ -141,7 +141,7 @@ class Variable:
     of: Callable[[SeenPoses], NDArray[Any]]
 
     def empty(
-        self, points: Sequence[int], labels: Mapping[str, Labels], *, not_done: bool = False
+        self, points: Sequence[int], labels: Mapping[str, AxisLabels], *, not_done: bool = False
     ) -> NDArray[Any]:
         """Return an array without values.
 
@@ -159,7 +159,7 @@ class Variable:
         return np.full(shape, filler, dtype=filler.dtype)
 
 
-def labels_of(mechanism: Mechanism) -> dict[str, Labels]:
+def labels_of(mechanism: Mechanism) -> dict[str, AxisLabels]:
     """Return the labels of the axes that are not those of the points."""
     return {
         "row": _ROWS,

@@ -22,7 +22,7 @@ from pmjac_pin.studies.sweep.points import Points, Region
 from pmjac_pin.studies.sweep.variables import (
     VARIABLES,
     AlikePoses,
-    Labels,
+    AxisLabels,
     SeenPoses,
     Variable,
     own_variable,
@@ -62,7 +62,7 @@ class SweepWork:
     parameters: tuple[str, ...]
     measures: tuple[str, ...]
     own: tuple[OwnMeasure, ...]
-    labels: Mapping[str, Labels]
+    labels: Mapping[str, AxisLabels]
     designs: int
     guess: str
     enforce_limits: bool | str
