@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import importlib
+import pickle
+import sys
 import threading
 
 import mechanisms
@@ -12,6 +15,7 @@ from mechanisms import loaded
 from swept_for_kill import reach
 
 import pmjac_pin as pj
+from pmjac_pin.studies.sweep.own_measures import OwnMeasure
 
 LENGTHS = np.linspace(0.85, 1.2, 5)
 NAMES = ["Jv_eq", "Jw_eq"] + [
@@ -147,6 +151,7 @@ FUNCTIONS = [
     (lambda poses: 1.0, "raised TypeError"),
     (lambda poses, found: 1.0, r"a number or an array for each of 11 poses, \(11, ...\), it"),
     (lambda poses, found: found.J_eq.T, r"it returned shape \(3, 6, 11\)"),
+    (lambda poses, found: np.ones((len(poses.q), 0)), r"it returned shape \(11, 0\)"),
     (lambda poses, found: None, "is to return real numbers, it returned None"),
     (lambda poses, found: ["a"] * len(poses.q), "is to return real numbers"),
     (lambda poses, found: poses.share * 1j, "is to return real numbers"),
@@ -188,6 +193,23 @@ def test_what_cannot_be_sent_is_told_before_any_work():
     lock = threading.Lock()
     with pytest.raises(pj.ArgumentError, match="'mine': its function cannot be sent to other proc"):
         swept({"mine": lambda poses, found: lock and poses.share}, workers=2, chunk=4)
+
+
+def test_what_other_processes_cannot_import(tmp_path, monkeypatch):
+    """It is said where the function is called, so that no worker dies of it."""
+    (tmp_path / "only_here_once.py").write_text(
+        "def share(poses, found):\n    return poses.share\n"
+    )
+    monkeypatch.syspath_prepend(tmp_path)
+    function = importlib.import_module("only_here_once").share
+    sent = pickle.dumps(OwnMeasure("mine", function, ()))
+    poses = pj.batch(loaded("four_bar")).measures_at([[0.9], [1.0]])
+    np.testing.assert_array_equal(pickle.loads(sent).at(*poses), [1.0, 1.0])
+    monkeypatch.delitem(sys.modules, "only_here_once")
+    (tmp_path / "only_here_once.py").unlink()
+    importlib.invalidate_caches()
+    with pytest.raises(pj.ArgumentError, match="'mine': its function is not found by other proc"):
+        pickle.loads(sent).at(*poses)
 
 
 @pytest.mark.slow

@@ -105,7 +105,7 @@ class OwnMeasure:
             values = np.array(None)
         if values.dtype.kind not in "biuf" or np.ma.is_masked(returned):
             raise self._fault(f"is to return real numbers, it returned {quoted(returned)}")
-        if not values.ndim or len(values) != count:
+        if not values.size or not values.ndim or len(values) != count:
             wanted = f"is to return a number or an array for each of {count} poses"
             raise self._fault(f"{wanted}, ({count}, ...), it returned shape {values.shape}")
         return values.astype(np.float64)
