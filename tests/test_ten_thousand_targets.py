@@ -19,7 +19,7 @@ import pmjac_pin as pj
 from pmjac_pin.values.arrays import Array
 
 COUNT = int(os.environ.get("PMJAC_TARGETS", "0"))  # targets of each mechanism; 0: few
-FEW, FEWER = 100, {"delta": 20, "stewart_gough": 50, "stewart_gough_dietmaier": 40}
+FEW, FEWER = 80, {"delta": 20, "stewart_gough": 40, "stewart_gough_dietmaier": 30}
 SPREADS = (0.1, 0.5, 2.5)  # of the characteristic length, or rad: near home, far, across folds
 BESIDE = [sign * 10.0**-k for k in range(2, 13) for sign in (1, -1)]  # of the way to a path's end
 LIMITS = {False: slice(None), True: slice(0, None, 20), "all": slice(5, None, 20)}

@@ -142,7 +142,7 @@ def _arrived(
         norm(left / partition.motor_scale) > HARDLY_ANYTHING * partition.length
     ):
         return ended
-    point = _stepped(problem, guard, ended.point, left, target)
+    point = _covered_target(problem, guard, ended.point, left, target)
     if point is None:
         point = beside(problem, ended.point.q, target(ended.point.q))
     if point is None or not is_singular(point, partition):
@@ -150,17 +150,17 @@ def _arrived(
     return Followed(point, 1.0, ended.iterations + point.iterations)
 
 
-def _stepped(
+def _covered_target(
     problem: ClosureProblem,
     guard: StepGuard,
     point: Closed,
     left: Array,
     target: Callable[[Array], Array],
 ) -> Closed | None:
-    """Return the target in one step from where what is nearly singular ended the path, if covered.
+    """Return the target, where one step to it is covered from the singular pose that ended a path.
 
-    Where a path was met by another step than others would take, it ends at another pose: so what
-    can be proven of the rest is what counts.
+    How long the steps were decides where a path ends within what counts as singular: so whether it
+    arrives is decided by what is proven of the rest of the way.
     """
     partition = problem.partition
     if not is_invertible(point, partition):
