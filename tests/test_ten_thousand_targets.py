@@ -27,7 +27,7 @@ LIMITS = {False: slice(None), True: slice(0, None, 20), "all": slice(5, None, 20
 SHARE = 1e-8
 #: Where it grows as the way itself: paths lead through what these are singular at.
 CROSSED, CROSSED_SHARE = {"agile_eye", "delta_rods", "sarrus"}, 2e-5
-END = 1e-4  # of the characteristic length: ends of such paths, K* within 1e-6 of singular
+END = 1e-3  # of the characteristic length: ends of such paths, where K* hardly changes
 BESIDE_A_FOLD = 1e-5  # of it: both modes that meet at a singular target, closed to tolerance
 ROUNDING = 2e-14
 
