@@ -29,9 +29,9 @@ from pmjac_pin.values.made_lately import MadeLately
 from pmjac_pin.values.sealed_pickle import sealed_pickle, unsealed
 
 _MOST_FRAMES = 12  # listed in one message
-# Of those that were unpickled. What one holds grows faster than its pickle, which has some 3 kB a
-# joint: of ladders with hundreds, which hold hundreds of MB, none is kept.
-_MECHANISMS = MadeLately["MechanismValue"](most=8, most_bytes=1_000_000)
+# Of those that were unpickled. What one holds grows much faster than its pickle, of 3 to 8 kB a
+# joint: of a ladder with 129 joints, which holds as many MB, none is kept.
+_MECHANISMS = MadeLately["MechanismValue"](most=8, most_bytes=500_000)
 
 
 @dataclass(frozen=True, eq=False, repr=False)

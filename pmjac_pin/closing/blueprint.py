@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from pmjac_pin.algebra.recordings import Recordings
 
 _FARTHEST_TURN = 0.5  # rad, of a joint's origin between stops: several on one body add up
-_BLUEPRINTS = MadeLately["Blueprint"](most=8, most_bytes=1_000_000)  # of those unpickled
+_BLUEPRINTS = MadeLately["Blueprint"](most=8, most_bytes=500_000)  # of those unpickled
 
 
 @dataclass(frozen=True, eq=False)

@@ -24,7 +24,8 @@ class MadeLately(Generic[Value]):
     Parameters
     ----------
     most, most_bytes : int
-        How many are kept, and of how many bytes together; one of more is not.
+        How many are kept, and of how many bytes together; one that is made of more than half of
+        these is not, and does not displace the others.
 
     Examples
     --------
@@ -63,7 +64,7 @@ class MadeLately(Generic[Value]):
         self._kept = ()
 
     def _keep(self, made: _Made[Value]) -> None:
-        if len(made.said) > self._most_bytes:
+        if 2 * len(made.said) > self._most_bytes:
             return
         kept = (made, *(one for one in self._kept if one is not made))[: self._most]
         sizes = accumulate(len(one.said) for one in kept)
