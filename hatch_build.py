@@ -25,6 +25,8 @@ STARTS, WALK = Path("closing", "starts.h"), Path("closing", "walk.h")
 MANY_PATHS = Path("closing", "many_paths.c")
 RATES, RADII = Path("batches", "many_rates.c"), Path("rates", "many_radii.c")
 CURVES = Path("studies", "homotopy", "curve_kernel.c")
+MODES, INTERVALS = Path("studies", "modes"), Path("algebra", "interval_tape.c")
+PRUNING = (MODES / "pruning_kernel.c", MODES / "boxes_in_lanes.h", MODES / "narrowing.h")
 #: What is compiled, and what it includes, by what is built of it.
 KERNELS = {
     "algebra/_tape_kernel.so": (TAPES, LANES),
@@ -34,6 +36,7 @@ KERNELS = {
     "batches/_many_rates.so": (RATES, WALK, TAPES, LANES),
     "rates/_many_radii.so": (RADII, VALUES, LANES),
     "studies/homotopy/_curve_kernel.so": (CURVES, TAPES, LANES),
+    "studies/modes/_pruning_kernel.so": (*PRUNING, INTERVALS, TAPES, LANES),
 }
 # No function's error number is asked for, and no exception is trapped: else roots stay scalar.
 OPTIONS = ("-std=c99", "-O3", "-fno-math-errno", "-fno-trapping-math", "-fPIC", "-shared")

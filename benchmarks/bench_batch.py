@@ -2,11 +2,11 @@
 
 Both close, give J_eq, and the singular values of its linear and angular rows. In the column of
 measures, those of K* and the tool's pose come as well. Targets are drawn around home; both sides
-take the same ones in turn, the loop a part of them. Then two threads beside one, over ten times as
-many poses. Ratios are what counts: what one thread takes is counted in seconds of the processor, so
-that others' work is not; two threads need two cores that nobody else works on, and fill results
-that are there. The single calls are those by Pinocchio and singular values, as before a program is
-recorded. Compiled programs are made before, and kept in the user's cache.
+take the same ones in turn, the loop a part of them. Then two threads beside one, over as many poses
+and over ten times as many. Ratios are what counts: what one thread takes is counted in seconds of
+the processor, so that others' work is not; two threads need two cores that nobody else works on,
+and fill results that are there. The single calls are those by Pinocchio and singular values, as
+before a program is recorded. Compiled programs are made before, and kept in the user's cache.
 """
 
 from __future__ import annotations
@@ -86,25 +86,31 @@ def compiled(mechanism: pj.Mechanism) -> pj.Batch | None:
         return None
 
 
-def compare(mechanism: pj.Mechanism) -> tuple[float, float, float, float, float]:
-    """Seconds a pose, one by one, at once, with measures, compiled; two threads' gain over one."""
+def gain(many: pj.Batch, count: int) -> float:
+    """Two threads' gain over one."""
+    again, gains = filled_again(many, targets(many.mechanism, count)), []
+    for _ in range(ROUNDS * FOR_THREADS // count):
+        one, two = (seconds(lambda n=n: again(n), time.perf_counter) for n in (1, 2))
+        gains.append(one / two)
+    return statistics.median(gains)
+
+
+def compare(mechanism: pj.Mechanism) -> tuple[float, float, float, float]:
+    """Seconds a pose, one by one, at once, with measures, compiled."""
     many, values = pj.batch(mechanism), targets(mechanism, MANY)
-    again = filled_again(many, targets(mechanism, FOR_THREADS))
     alone, fast = unrecorded(machine(mechanism.name)), compiled(mechanism)
     check(alone, many, values[:20])
-    single, batched, more, sooner, gains = [], [], [], [np.nan], []
+    single, batched, more, sooner = [], [], [], [np.nan]
     for _ in range(ROUNDS):
         single.append(seconds(lambda: one_by_one(alone, values[:SINGLE])) / SINGLE)
         batched.append(seconds(lambda: at_once(many, values)) / MANY)
         more.append(seconds(lambda: with_measures(many, values)) / MANY)
         if fast is not None:
             sooner.append(seconds(lambda: at_once(fast, values)) / MANY)
-        one, two = (seconds(lambda n=n: again(n), time.perf_counter) for n in (1, 2))
-        gains.append(one / two)
-    one, once, told, fast_one, gain = (
-        statistics.median(times) for times in (single, batched, more, sooner[1:] or sooner, gains)
+    one, once, told, fast_one = (
+        statistics.median(times) for times in (single, batched, more, sooner[1:] or sooner)
     )
-    return one, once, told, fast_one, gain
+    return one, once, told, fast_one
 
 
 def main() -> None:
@@ -113,14 +119,17 @@ def main() -> None:
         f"{title:>12s}"
         for title in ("one by one", "at once", "ratio", "measures", "ratio", "compiled", "ratio")
     )
-    print(f"{runs_on:16s}{columns}{'2 threads':>12s}   µs a pose")
+    print(f"{runs_on:16s}{columns}{'2 threads':>12s}{'of more':>12s}   µs a pose")
     for name in NAMES:
-        single, batched, more, sooner, gain = compare(machine(name))
+        mechanism = machine(name)
+        single, batched, more, sooner = compare(mechanism)
         numbers = [1e6 * single]
         for times in (batched, more, sooner):
             numbers += [1e6 * times, single / times]
         columns = "".join(f"{number:12.2f}" for number in numbers)
-        print(f"{name:16s}{columns}{f'× {gain:.2f}':>12s}", flush=True)
+        gains = [gain(pj.batch(mechanism), count) for count in (MANY, FOR_THREADS)]
+        columns += "".join(f"{f'× {one:.2f}':>12s}" for one in gains)
+        print(f"{name:16s}{columns}", flush=True)
 
 
 if __name__ == "__main__":

@@ -4,11 +4,11 @@
 
 N is a million unless told; ten million take a minute. The cost of a pose beside that of the largest
 N is what counts: of closing, J_eq and its singular values, in seconds of the processor, on one
-thread, once with new arrays for the results and once with those of a call before (`out=`). Both
-come after a call that is not counted: where a virtual machine touches memory for the first time
-that its host has yet to give, a page of 4 KB takes 7 µs, as long as some tens of poses. What a
-call costs whatever its size shows at a thousand poses of the quickest machine. And that the sweep
-stays within its memory.
+thread, once with new arrays for the results, which lie where those before have left memory, and
+once with those of a call before (`out=`). Both come after a call that is not counted: where a
+virtual machine touches memory for the first time that its host has yet to give, a page of 4 KB
+takes 7 µs, as long as some tens of poses. What a call costs whatever its size shows at a thousand
+poses of the quickest machine. And that the sweep stays within its memory.
 """
 
 from __future__ import annotations

@@ -190,5 +190,6 @@ from .viewer.static_scene import static_scene as static_scene
 from .viewer.viewer import Viewer as Viewer
 from .viewer.viewer import view as view
 from .words.labelled_matrix import LabelledMatrix as LabelledMatrix
+from .words.progress_bar import progress_bar as progress_bar
 from .words.report import Report as Report
 from .words.report import report as report

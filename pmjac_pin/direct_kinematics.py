@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
 import numpy as np
@@ -53,7 +53,8 @@ def close(
     singular. `docs/closing_loops.md` says what this rests on: with joints that are not known
     (composite, universal), the three poses alone. With more motors than freedom, as many
     as may move at will walk straight, and the values of the others must fit at the end; an
-    error says first how the loops tie them.
+    error says first how the loops tie them. What idles, as a rod that spins about itself, ends
+    where it has not moved from the guess, whatever the steps were (`docs/closing_loops.md`).
 
     Parameters
     ----------
@@ -133,8 +134,31 @@ def _walked(mechanism: Mechanism, start: Configuration, values: Array) -> Follow
     problem, guard, motors = start.problem, mechanism.step_guard, mechanism.motors
     if problem.partition.constraint_rank > problem.partition.passive_rank:
         return walk_led(problem, mechanism._parts.coordinates, guard, start._point, values)
-    displacement = motors.way(start.q, values)
-    return follow(problem, guard, start._point, displacement, lambda q: motors.at(q, values))
+    displacement, point = motors.way(start.q, values), start._point
+    if problem.partition.idles and (idle := mechanism.idle_way) is not None:
+        from pmjac_pin.closing.idle_path import IdlePath  # noqa: PLC0415
+
+        target = _on_the_way(mechanism, start, displacement, values)
+        return IdlePath(problem, guard, idle, point, displacement, target).walk()
+    return follow(problem, guard, point, displacement, lambda q: motors.at(q, values))
+
+
+def _on_the_way(
+    mechanism: Mechanism, start: Configuration, displacement: Array, values: Array
+) -> Callable[[Array, float], Array]:
+    """Return (q, share) ↦ q with the motors at that share of a straight way, at its end exactly."""
+    problem, motors, coordinates = start.problem, mechanism.motors, mechanism.coordinates
+    columns = problem.partition.actuated
+    way = np.zeros(mechanism.nv)
+    way[columns] = displacement
+
+    def target(q: Array, share: float) -> Array:
+        if share == 1.0:
+            return motors.at(q, values)
+        there = coordinates.values_of(problem.integrate(start.q, share * way), columns)
+        return motors.at(q, there)
+
+    return target
 
 
 def check_limits(mechanism: Mechanism, values: Array) -> None:

@@ -31,6 +31,7 @@ from pmjac_pin.values.checks import as_numbers
 from pmjac_pin.values.shown import Shown
 
 if TYPE_CHECKING:
+    from pmjac_pin.closing.idle_way import IdleWay
     from pmjac_pin.kinematics.slopes import SlopesAlongMotions
 
 
@@ -280,6 +281,16 @@ class Mechanism(MechanismSiblings, Shown):
         except ArgumentError:
             arms = without_arms(parts.model, len(parts.kinematics.loops.row_names))
         return StepGuard(parts.model, arms)
+
+    @cached_property
+    def idle_way(self) -> IdleWay | None:
+        """What knows where idle motions are at the ends of paths; None of unknown joints."""
+        from pmjac_pin.closing.idle_way import IdleWay  # noqa: PLC0415
+
+        try:
+            return IdleWay(self._parts.model)
+        except ArgumentError:
+            return None
 
     def _checked(self, q: ArrayLike) -> Array:
         values, parts = as_numbers(q, "q"), self._parts

@@ -103,8 +103,6 @@ def test_guesses_and_limits():
     again = many.close(values + 0.1, guess=free.q, enforce_limits=False)
     for q, value in zip(again.q, values + 0.1, strict=True):
         np.testing.assert_allclose(q, mechanism.close(value, enforce_limits=False).q, atol=1e-12)
-    with pytest.raises(pj.ClosureError, match="are open by"):
-        many.close(values, guess=free.q + 0.1)
     with pytest.raises(pj.ArgumentError, match="3 guesses expected"):
         many.close(values, guess=free.q[:2])
     with pytest.raises(pj.ArgumentError, match=r"shape \(N, 1\) for theta1 expected"):
@@ -131,16 +129,15 @@ def test_poses_without_a_jacobian_say_why():
     assert np.isfinite(found.J_eq[0]).all()
 
 
-def test_what_idles_may_be_elsewhere_and_all_else_is_not():
-    """A rod that spins between two balls: the rocker agrees, and so does J_eq."""
+def test_what_idles_agrees_and_a_tool_that_feels_it_is_told():
+    """A rod that spins between two balls (`test_idle_paths` has many more)."""
     mechanism = rssr()
     many, values = pj.batch(mechanism), mechanism.home.actuated + np.linspace(-0.3, 0.3, 7)[:, None]
     poses = many.close(values)
     assert (poses.status == pj.Status.CLOSED).all()
     for q, J_eq, one in zip(poses.q, many.jacobian(poses.q).J_eq, values, strict=True):
         pose = mechanism.close(one)
-        rocker = mechanism.configuration(q).joint_values["psi"]
-        assert rocker == pytest.approx(pose.joint_values["psi"], abs=1e-12)
+        np.testing.assert_allclose(q, pose.q, atol=1e-12)
         np.testing.assert_allclose(J_eq, pose.jacobian().J_eq, atol=1e-12)
     felt = pj.batch(mechanism.with_tool("rod_side")).jacobian(poses.q)
     assert (felt.status == pj.Status.NO_JACOBIAN).all()
@@ -291,22 +288,14 @@ def turning():
 
 
 LONGER = np.array([2.0, 2.0, 1.0])
-CALLS = {
-    "close": lambda many, q: many.close([[0.3, 0.4]] * len(q), guess=q),
-    "jacobian": lambda many, q: many.jacobian(q),
-    "ellipsoids": lambda many, q: many.ellipsoids(q),
-    "measures": lambda many, q: many.measures(q),
-    "program": lambda many, q: pj.program(many.mechanism)(q),
-}
 
 
-@pytest.mark.parametrize("name", CALLS)
-def test_turns_that_are_none_are_refused_as_by_the_single_call(name):
+def test_turns_that_are_none_are_refused_by_a_program_as_by_the_single_call():
     mechanism = turning()
     q = np.array([mechanism.close([0.3, 0.4]).q] * 3)
     q[1] *= LONGER
     with pytest.raises(pj.ArgumentError, match="not of unit length"):
-        CALLS[name](pj.batch(mechanism), q)
+        pj.program(mechanism)(q)
 
 
 def test_turns_in_few_digits_are_made_of_unit_length_wherever_they_are():

@@ -108,3 +108,30 @@ def test_where_no_cell_is_reached():
 def test_what_is_refused(over, guess, message):
     with pytest.raises(pj.PmjacError, match=message):
         pj.batch(loaded("three_rps")).grid(over, guess)
+
+
+def test_progress_tells_of_all_cells_in_the_end():
+    many, told = pj.batch(loaded("five_bar")), []
+    axis = np.linspace(-3.0, 3.0, 15)
+    found = many.grid({"theta1": axis, "theta2": axis}, progress=lambda *given: told.append(given))
+    done = [cells for cells, _ in told]
+    assert done == sorted(done)
+    assert told[-1] == (225, 225)
+    assert 0 < done[0] < 225
+    reached = found.status == pj.Status.CLOSED
+    np.testing.assert_array_equal(many.grid({"theta1": axis, "theta2": axis}).status, found.status)
+    assert 0 < reached.sum() < 225
+    with pytest.raises(pj.ArgumentError, match="progress is something to be called"):
+        many.grid({"theta1": axis}, progress=1)
+
+
+def test_an_interrupt_by_progress_keeps_what_is_known():
+    many = pj.batch(loaded("five_bar"))
+
+    def stop(done, count):
+        raise KeyboardInterrupt
+
+    axis = np.linspace(-3.0, 3.0, 15)
+    with pytest.raises(pj.Interrupted, match="of 225 cells") as raised:
+        many.grid({"theta1": axis, "theta2": axis}, progress=stop)
+    assert (raised.value.done.status == pj.Status.NOT_DONE).any()

@@ -13,6 +13,7 @@ from pmjac_pin.algebra.intervals import Intervals
 from pmjac_pin.closing.scales import row_scale
 from pmjac_pin.kinematics.loop_system import LoopSystem
 from pmjac_pin.kinematics.loops import pair_of
+from pmjac_pin.kinematics.tree import Tree
 from pmjac_pin.model.linkage import with_helical
 from pmjac_pin.studies.modes.interval_loops import IntervalLoops, PairRows, tolerances
 from pmjac_pin.studies.modes.interval_tree import IntervalTree
@@ -52,7 +53,7 @@ def model():
 
 
 def interval_loops(model, loop):
-    tree = IntervalTree(model, UNKNOWNS, MOTOR)
+    tree = IntervalTree(Tree(model), UNKNOWNS, MOTOR)
     pair = pair_of(model, tree.tree, loop, {})
     blocks = [block for _, block in pair.blocks]
     names = tuple(name for block in blocks for name in block.names)

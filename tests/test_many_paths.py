@@ -194,3 +194,15 @@ def test_what_is_told_sooner_of_a_step_is_the_same_alone(name, rng):
         early = run(replace(leg, code=leg.code[:length]), steps.inputs)
         told = steps.told[: number + 1].reshape(-1, 30)
         np.testing.assert_array_equal(early[: 4 * number + 4], told)
+
+
+@pytest.mark.parametrize("name", ["five_bar", "three_rps", "planar_3rpr"])
+def test_why_a_path_has_stopped_is_told_by_the_measures_there(name, rng):
+    mechanism = loaded(name)
+    poses, found = pj.batch(mechanism).measures_at(
+        targets(mechanism, 400, 0.8, rng), enforce_limits=False
+    )
+    stopped = poses.status == pj.Status.STOPPED
+    assert stopped.sum() > 1
+    assert found.smallest[stopped].max() < 1e-6
+    assert np.median(found.smallest[~stopped]) > 1e-3

@@ -34,6 +34,10 @@ class Boxes:
         """Return a model's numbers as they are stored: what counts as closed has a tolerance."""
         return self.constant(values)
 
+    def between(self, ends: Intervals) -> Intervals:
+        """Return intervals as numbers, their axes the components."""
+        return ends[..., None, None]
+
     def stack(self, parts: Sequence[Intervals]) -> Intervals:
         """Return intervals side by side along a new first axis."""
         shape = np.broadcast_shapes(*(part.shape for part in parts))

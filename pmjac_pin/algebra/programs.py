@@ -54,6 +54,12 @@ class Recording:
         self._known: dict[tuple[Any, ...], Term] = {}
         self.inputs = tuple(self.term("input", index) for index in range(inputs))
 
+    def input(self) -> Term:
+        """Return one input more."""
+        found = self.term("input", len(self.inputs))
+        self.inputs = (*self.inputs, found)
+        return found
+
     def term(self, operation: Operation, *operands: Operand) -> Term:
         """Return the term of an operation, a new one where it was not recorded before."""
         key = (operation, *operands)  # terms are equal where they are the same

@@ -15,7 +15,9 @@ enum {
 #define BUSY EACH_OF(lanes)
 
 /* Quarters of a turn are taken off in three parts of pi/2 (fdlibm's), exactly for |x| < LARGE. */
+#ifndef LARGE
 #define LARGE 1e5
+#endif
 INLINE void wave(const double *x, double *wave_of, int quarter, const int lanes)
 {
     double angle[LANES]; /* x may be where the wave goes */

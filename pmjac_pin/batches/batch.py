@@ -6,7 +6,6 @@ What a program certifies is what the single call says; where it cannot, the sing
 from __future__ import annotations
 
 from collections.abc import Mapping
-from functools import cached_property
 from typing import Any, TypeVar
 
 import numpy as np
@@ -33,17 +32,19 @@ from pmjac_pin.batches.results import (
     ManyInGrid,
     ManyJacobians,
     ManyMeasures,
+    Status,
     Statuses,
+    say_nothing,
     shapes_of,
 )
+from pmjac_pin.batches.sound_rows import SoundRows
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import ArgumentError, quoted
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.limits import enforced
 from pmjac_pin.model.reference_frame import frame_name
-from pmjac_pin.model.unit_turns import UnitRows
 from pmjac_pin.values.arrays import Array, Index
-from pmjac_pin.values.checks import as_numbers, check_kind, seen_numbers
+from pmjac_pin.values.checks import check_callable, check_kind, seen_rows
 
 ManyRatesKind = TypeVar("ManyRatesKind", bound=ManyJacobians)
 
@@ -98,6 +99,7 @@ class Batch:
             self.runs_on = "compiled programs"
         self._closing = Closing.of(mechanism, programs)
         self._at_poses = AtPoses(mechanism, programs)
+        self._sound = SoundRows(mechanism)
 
     def close(
         self,
@@ -132,10 +134,9 @@ class Batch:
         Raises
         ------
         ArgumentError, UnknownNameError
-            Values that are no finite numbers of that shape; no such pose; an `out` of other shapes,
-            or whose arrays are not to be written to, or are what is read.
-        ClosureError
-            A guess that is not closed.
+            Values or guesses that are no numbers of that shape; no such pose; an `out` of other
+            shapes, or whose arrays are not to be written to, or are what is read. Of single values
+            and guesses the status tells.
         """
         count, work, given = self._paths(actuated, guess, enforce_limits)
         return gathered(self._closed(count, out), work, Manner(threads, progress, given))
@@ -147,6 +148,7 @@ class Batch:
         *,
         enforce_limits: bool | str = True,
         threads: int | None = None,
+        progress: Progress | None = None,
     ) -> ManyInGrid:
         """Close the loops all over a grid of motor values, from cell to neighbouring cell.
 
@@ -158,6 +160,8 @@ class Batch:
             Where the first path begins; it leads to the nearest cell that it reaches.
         enforce_limits, threads
             As for `close`; cells outside limits are not walked through.
+        progress : callable, optional
+            Called with (cells of which it is known what became of them, all cells).
 
         Raises
         ------
@@ -178,6 +182,7 @@ class Batch:
         grid = Grid.over(
             over, self.mechanism.problem.partition, self.mechanism.coordinates, begin.actuated
         )
+        check_callable(progress, "progress")
         whose, home = enforced(enforce_limits), self.mechanism.configuration(begin.q).q
 
         def close(which: Index, start: Array | None, most_steps: int | None) -> ManyClosed:
@@ -185,7 +190,7 @@ class Batch:
             begin = np.broadcast_to(home, (which.size, home.size)) if start is None else start
             return self._toward(targets, begin, whose, most_steps, threads)
 
-        return grid.walk(self.mechanism.nq, close)
+        return grid.walk(self.mechanism.nq, close, progress)
 
     def _toward(
         self,
@@ -211,13 +216,16 @@ class Batch:
         values = self.mechanism.motors.table(actuated)
         whose, (start, known) = enforced(enforce_limits), self._start(guess, len(values))
 
-        def work(piece: Piece, *found: Any) -> None:
-            at = piece.at
-            begin = start[at]
-            if not known:
-                begin = self._checked(begin)
-                self._closing.check(begin)
-            self._closing.close(piece, (begin, values[at]), whose, found)
+        is_open = None if known else self._closing.is_open
+
+        def work(piece: Piece, *found: Any) -> bool:
+            """Tell whether of some paths nothing is known."""
+            begin, targets, why = self._sound.of_paths(start[piece.at], values[piece.at], is_open)
+            self._closing.close(piece, (begin, targets), whose, found)
+            if why is not None:
+                none = why != Status.CLOSED
+                say_nothing(found, none, why[none])
+            return why is not None
 
         return len(values), work, (values,) if known else (start, values)
 
@@ -328,7 +336,7 @@ class Batch:
 
         Raises
         ------
-        ArgumentError, UnknownNameError, ClosureError
+        ArgumentError, UnknownNameError
             As `close`.
 
         Examples
@@ -365,7 +373,7 @@ class Batch:
 
         Raises
         ------
-        ArgumentError, UnknownNameError, ClosureError
+        ArgumentError, UnknownNameError
             As `close`.
 
         Examples
@@ -389,12 +397,23 @@ class Batch:
         out: ManyRatesKind | None,
     ) -> ManyRatesKind:
         """Return what is found at the poses that are given."""
-        (poses,) = how.given
+        (poses,), sound = how.given, self._where_sound(work)
 
-        def checked(piece: Piece, *found: Any) -> None:
-            work(piece, self._checked(poses[piece.at]), *found)
+        def of_piece(piece: Piece, *found: Any) -> None:
+            sound(piece, poses[piece.at], *found)
 
-        return gathered(self._wanted(kind, len(poses), out), checked, how)
+        return gathered(self._wanted(kind, len(poses), out), of_piece, how)
+
+    def _where_sound(self, work: RatesWork) -> RatesWork:
+        """Return the same for rows of which some may be no q."""
+
+        def sound(piece: Piece, q: Array, *found: Any) -> None:
+            rows, bad = self._sound.of_poses(q)
+            work(piece, rows, *found)
+            if bad is not None:
+                say_nothing(found, bad, Status.INVALID)
+
+        return sound
 
     def _gathered_at(
         self,
@@ -411,8 +430,8 @@ class Batch:
         (count, close, given), (poses, rates) = paths, out or (None, None)
 
         def closed(piece: Piece, q: Array, share: Array, status: Statuses, *found: Any) -> None:
-            close(piece, q, share, status)
-            work(piece, q, *found)
+            some_unknown = close(piece, q, share, status)
+            (self._where_sound(work) if some_unknown else work)(piece, q, *found)
 
         wanted = self._closed(count, poses), self._wanted(kind, count, rates)
         return gathered_together(wanted, closed, Manner(*how, given))
@@ -445,17 +464,9 @@ class Batch:
         return rows
 
     def _poses(self, q: Any) -> Array:
-        """Return q as rows, which are `_checked` piece by piece."""
-        given: Array = q if type(q) is np.ndarray and q.dtype == np.float64 else as_numbers(q, "q")
+        """Return q as rows, whose numbers are looked at piece by piece."""
+        given = seen_rows(q, "q")
         if given.ndim != 2 or given.shape[1] != self.mechanism.nq:
             wanted = f"(N, {self.mechanism.nq})"
             raise ArgumentError(f"q of shape {wanted} expected, got {given.shape}")
         return given
-
-    def _checked(self, part: Array) -> Array:
-        """Return rows of q as numbers whose turns are of unit length, or say what they are not."""
-        return self._unit_rows.of(seen_numbers(part, "q"))
-
-    @cached_property
-    def _unit_rows(self) -> UnitRows:
-        return UnitRows(self.mechanism.kinematics.model)

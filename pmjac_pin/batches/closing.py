@@ -11,10 +11,11 @@ from pmjac_pin.batches.one_by_one import close_one
 from pmjac_pin.batches.pieces import Piece
 from pmjac_pin.batches.results import Status, Statuses
 from pmjac_pin.closing.closure import LARGEST_STEP, MOST_STEPS
+from pmjac_pin.closing.many_idle_paths import ManyIdlePaths
 from pmjac_pin.closing.many_paths import GoOn, Paths, Walker
 from pmjac_pin.closing.path_kernel import many_paths_kernel
 from pmjac_pin.closing.paths_in_lanes import PathsInLanes
-from pmjac_pin.errors import MissingDependencyError
+from pmjac_pin.errors import ClosureError, MissingDependencyError
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.limits import beyond_limits
 from pmjac_pin.values.arrays import Array, Mask
@@ -31,11 +32,14 @@ class Closing:
         None where nothing is recorded: by single calls.
     lanes : PathsInLanes or None
         What walks in its place where a kernel was built.
+    idle : ManyIdlePaths or None
+        What walks by them where something idles.
     """
 
     mechanism: Mechanism
     walker: Walker | None
     lanes: PathsInLanes | None = None
+    idle: ManyIdlePaths | None = None
 
     @classmethod
     def of(cls, mechanism: Mechanism, compiled: CompiledPrograms | None = None) -> Closing:
@@ -54,18 +58,24 @@ class Closing:
                 "and none was: install a C compiler, then pmjac_pin anew (pip install "
                 "--force-reinstall --no-deps pmjac_pin)"
             )
-        return cls(mechanism, Walker(*known, *tapes), lanes)
+        idling = mechanism.recorded.idling
+        idle = None if idling is None else ManyIdlePaths(*known, *idling)
+        return cls(mechanism, Walker(*known, *tapes), lanes, idle)
 
-    def check(self, start: Array) -> None:
-        """Raise ClosureError where the loops of one of some poses are open."""
+    def is_open(self, start: Array) -> Mask:
+        """Tell at which of some q the loops are open."""
         if self.walker is None:
-            for q in start:
-                self.mechanism.configuration(q)
-            return
+            return np.array([self._is_open(q) for q in start], dtype=bool)
         at_rest = np.zeros((len(self.mechanism.actuated), len(start)))
         gap = self.walker.at(start.T, at_rest).gap
-        for index in np.flatnonzero(gap > self.mechanism.problem.tolerance)[:1].tolist():
-            self.mechanism.configuration(start[index])  # says how far the loops are open
+        return np.asarray(gap > self.mechanism.problem.tolerance)
+
+    def _is_open(self, q: Array) -> bool:
+        try:
+            self.mechanism.configuration(q)
+        except ClosureError:
+            return True
+        return False
 
     def close(
         self,
@@ -131,7 +141,7 @@ class Closing:
             return Paths(q, share, np.zeros(len(values), dtype=bool))
         displacement = self.mechanism.motors.ways(start if start.strides[0] else start[0], values)
         walker, most = self.lanes or self.walker, most_steps or MOST_STEPS
-        paths = walker.walk(start, displacement, values, go_on, most, ends=ends)
+        paths = self._walked(walker, (start, displacement, values), go_on, most, ends)
         if paths.all_arrived:
             return paths
         left = np.flatnonzero(share != 1.0)  # the others were within so many steps
@@ -139,3 +149,19 @@ class Closing:
         far = np.linalg.norm(displacement[left] / partition.motor_scale, axis=1)
         paths.settled[left] &= far <= MOST_STEPS * LARGEST_STEP * partition.length
         return paths
+
+    def _walked(
+        self,
+        walker: Walker | PathsInLanes,
+        paths: tuple[Array, Array, Array],
+        go_on: GoOn,
+        most_steps: int,
+        ends: tuple[Array, Array],
+    ) -> Paths:
+        if self.idle is None:
+            return walker.walk(*paths, go_on, most_steps, ends=ends)
+
+        def walk(q: Array, displacement: Array, target: Array, ends: tuple[Array, Array]) -> Paths:
+            return walker.walk(q, displacement, target, go_on, most_steps, ends=ends)
+
+        return Paths(*ends, self.idle.walk(walk, *paths, ends))

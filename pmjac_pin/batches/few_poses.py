@@ -17,6 +17,7 @@ from pmjac_pin.batches.closing import Closing
 from pmjac_pin.batches.one_by_one import jacobian_of_one, measures_of_one
 from pmjac_pin.batches.pieces import Piece
 from pmjac_pin.batches.results import ManyMeasures, Status, Statuses, shapes_of
+from pmjac_pin.batches.sound_rows import SoundRows
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.twist_frame import FrameName
 from pmjac_pin.values.arrays import Array
@@ -32,7 +33,7 @@ class FewPoses(Batch):
         # Bits must not depend on calls before: of one's own, its single calls are the first.
         self.mechanism, self.runs_on = replace(mechanism, _poses={}), "single calls"
         self._closing = Closing(self.mechanism, None)
-        self._at_poses = _OneByOne(self.mechanism)
+        self._at_poses, self._sound = _OneByOne(self.mechanism), SoundRows(self.mechanism)
 
 
 class _OneByOne(AtPoses):

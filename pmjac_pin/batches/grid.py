@@ -8,13 +8,13 @@ them, and they are walked together when nothing else is left.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
-from pmjac_pin.batches.pieces import interrupted
+from pmjac_pin.batches.pieces import Progress, interrupted
 from pmjac_pin.batches.results import ManyClosed, ManyInGrid, Status, Statuses
 from pmjac_pin.errors import Interrupted, unknown_name
 from pmjac_pin.model.coordinates import JointCoordinates
@@ -79,7 +79,7 @@ class Grid:
         """The motor values of all cells, row by row."""
         return self.values.reshape(-1, self.values.shape[-1])
 
-    def walk(self, nq: int, close: CloseCells) -> ManyInGrid:
+    def walk(self, nq: int, close: CloseCells, progress: Progress | None = None) -> ManyInGrid:
         """Walk to all cells.
 
         Raises
@@ -94,7 +94,9 @@ class Grid:
             source=np.full(count, FROM_GUESS),
         )
         try:
-            self._wander(walked, close)
+            for told in self._wander(walked, close):
+                if progress is not None:
+                    progress(told, count)
         except KeyboardInterrupt:
             stopped = walked.status == Status.STOPPED  # there may be other ways to them
             walked.status[stopped] = Status.NOT_DONE
@@ -102,13 +104,17 @@ class Grid:
             raise interrupted(done, self._found(walked)) from None
         return self._found(walked)
 
-    def _wander(self, walked: _Walked, close: CloseCells) -> None:
-        """Walk to the nearest cells that are reached, and on from cell to cell."""
+    def _wander(self, walked: _Walked, close: CloseCells) -> Iterator[int]:
+        """Walk to the nearest cells that are reached, and on from cell to cell.
+
+        Yield of how many cells it is known now what became of them.
+        """
         reached = self.nearest[:0]
         for start in range(0, self.nearest.size, _SEEDS):
             cells = self.nearest[start : start + _SEEDS]
             edges = _Edges(np.full(cells.size, FROM_GUESS), cells)
             reached, _ = walked.wave(close, edges, None)
+            yield walked.known
             if reached.size:
                 break
         quick, slow = self._edges(reached), self._edges(reached[:0])
@@ -118,6 +124,8 @@ class Grid:
             reached, unfinished = walked.wave(close, now, _FEW_STEPS if few else None)
             quick = (later if few else quick).and_(self._edges(reached))
             slow = slow.and_(unfinished) if few else later
+            yield walked.known
+        yield self.nearest.size  # to the others no path leads
 
     def _edges(self, cells: Index) -> _Edges:
         """Return cells and their neighbours along each axis, one beside the other."""
@@ -176,6 +184,10 @@ class _Walked(NamedTuple):
     share: Array
     status: Statuses
     source: Index
+
+    @property
+    def known(self) -> int:
+        return int((self.status != Status.STOPPED).sum())
 
     def waiting(self, edges: _Edges) -> _Edges:
         """Return those that lead to cells which no path has reached."""

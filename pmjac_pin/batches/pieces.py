@@ -19,12 +19,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmjac_pin.batches.filled_again import memory_of, note_memory
-from pmjac_pin.batches.results import Status, empty_arrays
+from pmjac_pin.batches.results import Status, empty_arrays, say_nothing
 from pmjac_pin.errors import ArgumentError, Interrupted, quoted
 from pmjac_pin.values.arrays import Array, Mask, ReadOnlyArrays, sealed
 from pmjac_pin.values.checks import check_callable
 
-PIECE = 4096  # poses at most: they fill the kernel's lanes, and some MB
+PIECE = 5120  # poses at most: they fill the kernel's lanes, and some MB
+_ALONE = 3072  # poses of a small machine, done as soon as another thread would have begun
 _LANES = 16
 _HEARING = 0.2  # s: what waits for another thread does not hear every signal
 Progress: TypeAlias = Callable[[int, int], object]
@@ -179,9 +180,9 @@ def pieces_of(count: int) -> list[slice[int, int, None]]:
     Examples
     --------
     >>> [piece.stop - piece.start for piece in pieces_of(10_000)]
-    [1264, 2528, 2528, 2528, 1152]
+    [2512, 5024, 2464]
     """
-    if count <= PIECE:
+    if count <= _ALONE:
         return [slice(0, count)] if count else []
     alike = 2 * -(-count // (2 * PIECE))
     half = -(-count // (2 * alike * _LANES)) * _LANES
@@ -227,10 +228,8 @@ class _Filling:
 
     def blank(self) -> int:
         """Say of the pieces that are left that they are not done; return how many poses are."""
-        for array in self._found:
-            nothing = np.nan if array.dtype == np.float64 else Status.NOT_DONE
-            for piece in self._left.values():
-                array[piece] = nothing
+        for piece in self._left.values():
+            say_nothing(self._found, piece, Status.NOT_DONE)
         return self.count - sum(piece.stop - piece.start for piece in self._left.values())
 
     def _help(self, at_rest: Event) -> None:

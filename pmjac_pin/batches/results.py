@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import InitVar, dataclass, field
 from enum import IntEnum
 from functools import lru_cache
@@ -12,6 +12,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from pmjac_pin.batches.memory_left import LARGE, in_memory_left
 from pmjac_pin.errors import ArgumentError
 from pmjac_pin.model.coordinates import JointCoordinates
 from pmjac_pin.model.limits import beyond_limits
@@ -31,6 +32,7 @@ class Status(IntEnum):
     NO_JACOBIAN = 5
     NOT_ASSEMBLED = 6
     NOT_DONE = 7
+    INVALID = 8
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,7 +47,9 @@ class ManyClosed(ReadOnlyArrays):
         Of the way from the guess to the target; 1 where it was reached.
     status : ndarray of int, shape (N,)
         `Status`: CLOSED; STOPPED where `close` raises ClosureError; LIMITS where it raises
-        LimitError; NOT_DONE where somebody interrupted (`Interrupted`).
+        LimitError; OPEN where its loops are open at the guess, and INVALID where motor values or
+        the guess are no finite numbers, or a turn of it is not of unit length: q and share are NaN
+        then; NOT_DONE where somebody interrupted (`Interrupted`).
     """
 
     q: Array
@@ -124,7 +128,8 @@ class ManyJacobians(ReadOnlyArrays):
         J − J* K*⁻¹ K, linear rows first; NaN where there is none.
     status : ndarray of int, shape (N,)
         `Status`: CLOSED; OPEN where `configuration` raises ClosureError; SINGULAR where
-        `jacobian` raises SingularError; NO_JACOBIAN where it raises another NoJacobianError.
+        `jacobian` raises SingularError; NO_JACOBIAN where it raises another NoJacobianError;
+        INVALID where q is no finite numbers, or a turn in it is not of unit length.
     """
 
     J_eq: Array
@@ -189,7 +194,16 @@ def shapes_of(kind: type[ManyJacobians], count: int, motors: int) -> Mapping[str
 
 def empty_arrays(shapes: Mapping[str, tuple[int, ...]]) -> dict[str, NDArray[Any]]:
     """Return arrays of results that are to be filled: statuses, and numbers."""
-    return {
+    arrays: dict[str, NDArray[Any]] = {
         name: np.empty(shape, dtype=np.int8 if name == "status" else np.float64)
         for name, shape in shapes.items()
     }
+    if sum(array.nbytes for array in arrays.values()) < LARGE:
+        return arrays
+    return {name: in_memory_left(array) for name, array in arrays.items()}
+
+
+def say_nothing(found: Sequence[NDArray[Any]], which: Any, status: Status | Statuses) -> None:
+    """Say of some poses, in arrays of results, why nothing is known of them."""
+    for array in found:
+        array[which] = np.nan if array.dtype == np.float64 else status

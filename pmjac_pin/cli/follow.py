@@ -12,7 +12,6 @@ from cyclopts import Parameter
 from pmjac_pin.cli.exit_status import INTERRUPTED
 from pmjac_pin.cli.options import Choice, Force, NameOption, check_output, output_option
 from pmjac_pin.cli.output import Json, Verdict
-from pmjac_pin.cli.progress_bar import progress_bar
 from pmjac_pin.errors import Interrupted
 from pmjac_pin.files.output_file import write_files
 from pmjac_pin.files.user_path import user_path
@@ -23,6 +22,7 @@ from pmjac_pin.studies.follow.trajectory import Trajectory
 from pmjac_pin.studies.follow.waypoints_file import read_waypoints
 from pmjac_pin.words.blocks import Verbatim
 from pmjac_pin.words.plain import to_json
+from pmjac_pin.words.progress_bar import progress_bar
 from pmjac_pin.words.trajectory_report import trajectory_blocks, trajectory_csv, trajectory_told
 
 _WRITTEN = (".csv", ".json")

@@ -9,10 +9,10 @@ from cyclopts import Parameter
 
 from pmjac_pin.batches.results import Status
 from pmjac_pin.cli.output import Output
-from pmjac_pin.cli.progress_bar import progress_bar
 from pmjac_pin.files.user_path import user_path
 from pmjac_pin.studies.sweep.sweep import sweep
 from pmjac_pin.studies.sweep.sweep_file import read_sweep_file
+from pmjac_pin.words.progress_bar import progress_bar
 from pmjac_pin.words.terminal import one_line
 
 

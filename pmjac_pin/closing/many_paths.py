@@ -2,7 +2,8 @@
 
 The paths take their steps together, each of its own length. Whether a step is covered is judged by
 norms here (`recorded_step`), which may ask for shorter steps than `StepGuard`, and so may where a
-correction counts as small; what the paths lead to does not depend on either.
+correction counts as small; what the paths lead to does not depend on either, but for what
+idles, which `many_idle_paths` brings back.
 """
 
 from __future__ import annotations

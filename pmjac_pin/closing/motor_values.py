@@ -12,7 +12,7 @@ from pmjac_pin.errors import ArgumentError, quoted, unknown_name
 from pmjac_pin.model.coordinates import LIMIT_SLACK, JointCoordinates
 from pmjac_pin.model.spec import MechanismSpec
 from pmjac_pin.values.arrays import Array, Mask
-from pmjac_pin.values.checks import LARGEST, as_numbers, seen_numbers, within
+from pmjac_pin.values.checks import LARGEST, as_numbers, real_numbers, seen_rows, within
 from pmjac_pin.values.named_values import named_values
 
 MotorValues: TypeAlias = ArrayLike | Mapping[str, float]
@@ -58,7 +58,7 @@ class Motors:
     def table(self, given: Any) -> Array:
         """Return values of many poses as an array (N, n), or say what was expected.
 
-        An array of doubles is returned as it is.
+        An array of doubles is returned as it is. NaN and infinities may be among them.
 
         Parameters
         ----------
@@ -73,7 +73,7 @@ class Motors:
         """
         if (columns := _columns(given)) is not None:
             return self._by_columns(columns)
-        values = seen_numbers(given, "motor values")
+        values = seen_rows(given, "motor values")
         if values.ndim != 2 or values.shape[1] != len(self._names):
             wanted = f"(N, {len(self._names)}) for {', '.join(self._names)}"
             raise ArgumentError(f"motor values of shape {wanted} expected, got {values.shape}")
@@ -81,7 +81,7 @@ class Motors:
 
     def _by_columns(self, columns: dict[Any, Any]) -> Array:
         _check_motor_names(self._names, self._coordinates, columns)
-        ordered = [as_numbers(columns[name], f"values of motor {name!r}") for name in self._names]
+        ordered = [real_numbers(columns[name], f"values of motor {name!r}") for name in self._names]
         shapes = {column.shape for column in ordered}
         if len(shapes) > 1 or ordered[0].ndim != 1:
             got = ", ".join(str(column.shape) for column in ordered)

@@ -166,6 +166,16 @@ class RecordedMechanism:
         return rates.move_tape(), rates.arrival_tape(), leg_tape(rates, arms)
 
     @cached_property
+    def idling(self) -> tuple[Tape, Tape] | None:
+        """What `ManyIdlePaths` takes; None where nothing idles."""
+        if not self.rates.idle:
+            return None
+        from pmjac_pin.closing.recorded_idle_way import idle_tape, return_tape  # noqa: PLC0415
+
+        idle = idle_tape(self.rates)
+        return idle, return_tape(self.rates, idle)
+
+    @cached_property
     def ellipsoids(self) -> Tape:
         """`RecordedRates.ellipsoids_tape`."""
         return self.rates.ellipsoids_tape()

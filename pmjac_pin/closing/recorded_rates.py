@@ -1,7 +1,8 @@
 """The rates of a mechanism at one pose as programs: φ̇ = −K*⁻¹ K θ̇, J_eq, and how certain they are.
 
-K* is taken on kept columns, as many as it has rank, independent where the ranks are from: idle
-motions rest. That K* has this rank at a pose is certain where 1/‖R⁻¹‖, which is no more than its
+K* is taken on kept columns, as many as it has rank, independent where the ranks are from. Where
+something idles, motions are the smallest of those that differ by that (`recorded_idle`). That K*
+has this rank at a pose is certain where 1/‖R⁻¹‖, which is no more than its
 smallest singular value, is above the rank tolerance; where it is not, nothing is said.
 """
 
@@ -19,6 +20,7 @@ from pmjac_pin.algebra.recordings import Recordings
 from pmjac_pin.algebra.tangents import tangents
 from pmjac_pin.algebra.tape import Tape
 from pmjac_pin.closing.closure_problem import ClosureProblem
+from pmjac_pin.closing.recorded_idle import IdleColumn, idle_columns, idle_motions, smallest
 from pmjac_pin.kinematics.joint_steps import entry_rates, moved_by
 from pmjac_pin.kinematics.recorded import RecordedKinematics, Recorder
 from pmjac_pin.model.twist_frame import FrameName, change_frame
@@ -86,6 +88,8 @@ class RecordedRates:
     partition : Partition
     kept : ndarray of int
         Passive columns, as many as K* has rank.
+    idle : tuple of IdleColumn
+        The other passive columns.
     recordings : Recordings
         What was recorded for machines of other dimensions.
     """
@@ -93,6 +97,7 @@ class RecordedRates:
     recorder: Recorder
     partition: Partition
     kept: Index
+    idle: tuple[IdleColumn, ...] = ()
     recordings: Recordings = field(default_factory=Recordings)
 
     @classmethod
@@ -108,7 +113,8 @@ class RecordedRates:
         passive, rank = partition.passive, partition.passive_rank
         columns = partition.scaled(rates)[:, passive]
         kept = read_only(passive[pivots(columns, rank)])
-        return cls(recorder, partition, kept, recordings or Recordings())
+        idle = idle_columns(problem, q, kept) if partition.idles else ()
+        return cls(recorder, partition, kept, idle, recordings or Recordings())
 
     def scaled(self, rates: Numbers) -> Numbers:
         """Return ∂η/∂v (p, nv) without dimension."""
@@ -171,6 +177,8 @@ class RecordedRates:
         triangle = Triangle.of(np.column_stack([matrix[:, self.kept], error, driven]), count)
         motions = zeros(2, scale.size)
         motions[:, self.kept] = -triangle.solve([count, count + 1]).T
+        if self.idle:
+            motions = smallest(motions.T, idle_motions(matrix, self.idle)[0]).T
         motions[1, motors] = rates / scale[motors]
         return [gap, triangle.inverse_norm(), norm(matrix)], motions
 

@@ -7,12 +7,13 @@ the same is a program.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any, Protocol
 
 import numpy as np
 
 from pmjac_pin.algebra.arrays import Numbers
-from pmjac_pin.kinematics.tree import Link, Tree
+from pmjac_pin.kinematics.tree import Link
 from pmjac_pin.model.joint_kind import Waves, rotation_of
 
 _NO_TURN = 1e-150  # rad: a turn of less is none, and yet is divided by
@@ -32,7 +33,16 @@ class Angles(Waves, Protocol):
     def with_sign(self, x: Any, of: Any) -> Any: ...  # noqa: D102
 
 
-def moved_by(algebra: Angles, tree: Tree, q: Numbers, v: Numbers) -> Numbers:
+class Joints(Protocol):
+    """A tree, or whatever has joints."""
+
+    @property
+    def links(self) -> Mapping[int, Link]:
+        """By their bodies."""
+        ...
+
+
+def moved_by(algebra: Angles, tree: Joints, q: Numbers, v: Numbers) -> Numbers:
     """Return q ⊕ v, shape (nq, ...)."""
     found = q.copy()
     for link in tree.links.values():
@@ -42,7 +52,7 @@ def moved_by(algebra: Angles, tree: Tree, q: Numbers, v: Numbers) -> Numbers:
     return found
 
 
-def entry_rates(tree: Tree, q: Numbers, v: Numbers) -> Numbers:
+def entry_rates(tree: Joints, q: Numbers, v: Numbers) -> Numbers:
     """Return how the entries of q change along a motion v, shape (nq, ...)."""
     found = np.empty((len(q), *v.shape[1:]), dtype=np.result_type(q, v))
     for link in tree.links.values():
@@ -52,7 +62,7 @@ def entry_rates(tree: Tree, q: Numbers, v: Numbers) -> Numbers:
     return found
 
 
-def between(algebra: Angles, tree: Tree, q: Numbers, other: Numbers) -> Numbers:
+def between(algebra: Angles, tree: Joints, q: Numbers, other: Numbers) -> Numbers:
     """Return v with q ⊕ v = other, shape (nv, ...)."""
     found = np.empty((_freedoms(tree), *q.shape[1:]), dtype=q.dtype)
     for link in tree.links.values():
@@ -63,7 +73,7 @@ def between(algebra: Angles, tree: Tree, q: Numbers, other: Numbers) -> Numbers:
     return found
 
 
-def arriving(algebra: Angles, tree: Tree, way: Numbers, v: Numbers) -> Numbers:
+def arriving(algebra: Angles, tree: Joints, way: Numbers, v: Numbers) -> Numbers:
     """Return the rates of `between` where the second pose moves by v, shape (nv, ...)."""
     found = v.copy()
     for link in tree.links.values():
@@ -76,7 +86,7 @@ def arriving(algebra: Angles, tree: Tree, way: Numbers, v: Numbers) -> Numbers:
     return found
 
 
-def _freedoms(tree: Tree) -> int:
+def _freedoms(tree: Joints) -> int:
     return sum(link.kind.nv for link in tree.links.values())
 
 

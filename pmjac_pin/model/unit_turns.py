@@ -56,17 +56,27 @@ class UnitRows:
         ------
         ArgumentError
         """
+        rows, bad = self.sound(q)
+        if bad is not None:
+            with_unit_turns(self._model, q[bad.argmax()])  # raises
+        return rows
+
+    def sound(self, q: Array) -> tuple[Array, Mask | None]:
+        """Return the same, and for which rows there is none; None where there is for all."""
         if not (self._unknown or self._entries):
-            return q
+            return q, None
         off = np.full(len(q), self._unknown)
         for entries in self._entries:
             off |= _is_off(q.take(entries, axis=1))
         if not off.any():
-            return q
-        q = q.copy()
+            return q, None
+        q, bad = q.copy(), np.zeros(len(q), dtype=bool)
         for row in np.flatnonzero(off).tolist():
-            q[row] = with_unit_turns(self._model, q[row])
-        return q
+            try:
+                q[row] = with_unit_turns(self._model, q[row])
+            except ArgumentError:
+                bad[row] = True
+        return q, bad if bad.any() else None
 
 
 def _is_off(turns: Array) -> Mask:

@@ -180,6 +180,11 @@ class Partition(ReadOnlyArrays):
             twist=self.twist_rank,
         )
 
+    @property
+    def idles(self) -> bool:
+        """Whether K* has fewer independent columns than passive ones, at every pose."""
+        return self.passive_rank < self.passive.size
+
     @cached_property
     def full(self) -> bool:
         """Whether K* has all the rank that its shape allows: it has more nowhere."""

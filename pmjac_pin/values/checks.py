@@ -26,8 +26,21 @@ def as_numbers(given: object, what: str, largest: float = LARGEST) -> Array:
     Raises
     ------
     ArgumentError
-        Strings, complex numbers, ragged lists, NaN, infinities and numbers beyond `largest`;
-        values with names, which must not be taken by their order.
+        As `real_numbers`; NaN, infinities and numbers beyond `largest`.
+    """
+    array = real_numbers(given, what)
+    _check_size(array, given, what, largest)
+    return array
+
+
+def real_numbers(given: object, what: str) -> Array:
+    """Return a float array of what the caller gave, NaN and infinities among it.
+
+    Raises
+    ------
+    ArgumentError
+        Strings, complex numbers, ragged lists, masked entries; values with names, which must not
+        be taken by their order.
     """
     if type(given) not in _WITHOUT_NAMES and named_values(given, what) is not None:
         message = f"{what} must be plain numbers in their order, got names, too"
@@ -41,24 +54,14 @@ def as_numbers(given: object, what: str, largest: float = LARGEST) -> Array:
     # Only what has a mask is looked at: what knows masks takes long to import.
     if hasattr(given, "mask") and np.ma.is_masked(given):
         raise ArgumentError(f"{what} must have no masked entries, got {quoted(given)}")
-    array = raw.astype(np.float64)
-    _check_size(array, given, what, largest)
-    return array
+    return raw.astype(np.float64)
 
 
-def seen_numbers(given: object, what: str) -> Array:
-    """Return what `as_numbers` does: the caller's own array where that holds doubles already.
-
-    For what may be large, and is only read.
-
-    Raises
-    ------
-    ArgumentError
-    """
-    if type(given) is not np.ndarray or given.dtype != np.float64:
-        return as_numbers(given, what)
-    _check_size(given, given, what, LARGEST)
-    return given
+def seen_rows(given: object, what: str) -> Array:
+    """Return what `real_numbers` does: the caller's own array where that holds doubles already."""
+    if type(given) is np.ndarray and given.dtype == np.float64:
+        return given
+    return real_numbers(given, what)
 
 
 def within(array: Array, ends: tuple[float, float]) -> bool:

@@ -49,7 +49,7 @@ def motor_path(mechanism: Mechanism, path: Any, times: Any = None) -> MotorPath:
         raise ArgumentError(f"{mechanism.name}: {message}; give it as joints of one each")
 
     def table(given: Any) -> Array:
-        values = mechanism.motors.table(given).copy()
+        values = as_numbers(mechanism.motors.table(given), "motor values")
         wraps = coordinates.wraps[motors]
         values[:, wraps] = np.unwrap(values[:, wraps], axis=0)
         return values

@@ -14,7 +14,7 @@ import numpy as np
 from pmjac_pin.algebra.intervals import Intervals
 from pmjac_pin.rates.partition import independent_rows
 from pmjac_pin.studies.krawczyk import image_of_boxes
-from pmjac_pin.studies.modes.interval_loops import IntervalLoops
+from pmjac_pin.studies.modes.box_equations import BoxEquations
 from pmjac_pin.values.arrays import Array, Index, Mask
 
 #: Scaled: nested neighbourhoods that are tried at once.
@@ -43,12 +43,12 @@ class Enclosure:
     left_out: float
 
 
-def enclose(loops: IntervalLoops, boxes: Intervals, scale: Array) -> list[Enclosure | None]:
+def enclose(loops: BoxEquations, boxes: Intervals, scale: Array) -> list[Enclosure | None]:
     """Return for each small box the one mode in a neighbourhood of it, None where none is proven.
 
     Parameters
     ----------
-    loops : IntervalLoops
+    loops : BoxEquations
     boxes : Intervals, shape (n, k)
     scale : ndarray, shape (k,)
         What counts as 1, rad or m.
@@ -81,7 +81,7 @@ def enclose(loops: IntervalLoops, boxes: Intervals, scale: Array) -> list[Enclos
     ]
 
 
-def _image(loops: IntervalLoops, kept: Index, at: Array, boxes: Intervals) -> Intervals:
+def _image(loops: BoxEquations, kept: Index, at: Array, boxes: Intervals) -> Intervals:
     """Return K(X) of each box (n, k) about a point in it, for its kept rows."""
     each = np.arange(len(kept))[:, None]
     jacobian = loops.evaluate(boxes).jacobian[each, kept]
@@ -90,7 +90,7 @@ def _image(loops: IntervalLoops, kept: Index, at: Array, boxes: Intervals) -> In
     return image_of_boxes(inverse, residual, jacobian, at, boxes)
 
 
-def _at_root(loops: IntervalLoops, kept: Index, mode: Intervals) -> tuple[Mask, Array]:
+def _at_root(loops: BoxEquations, kept: Index, mode: Intervals) -> tuple[Mask, Array]:
     """Return whether the root of the kept rows can be a mode, and how far the other rows are off.
 
     At the root φ, where the kept rows ηₖ vanish, each row is, for any matrix W,
@@ -107,7 +107,7 @@ def _at_root(loops: IntervalLoops, kept: Index, mode: Intervals) -> tuple[Mask, 
     return whole.possible, sizes
 
 
-def _kept_rows_and_root(loops: IntervalLoops, boxes: Intervals) -> tuple[Index, Array]:
+def _kept_rows_and_root(loops: BoxEquations, boxes: Intervals) -> tuple[Index, Array]:
     """Return k independent rows near each box, and a Newton step from its middle to their root."""
     middle = boxes.middle
     whole = loops.evaluate(Intervals.exact(middle))

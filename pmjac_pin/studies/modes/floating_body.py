@@ -20,19 +20,18 @@ import numpy as np
 import pinocchio as pin
 from scipy.spatial.transform import Rotation
 
-from pmjac_pin.algebra.boxes import BOXES
+from pmjac_pin.algebra import Number
 from pmjac_pin.algebra.intervals import Intervals
 from pmjac_pin.algebra.jets import Jet, Jets
 from pmjac_pin.kinematics.tree import Poses
 from pmjac_pin.model.frames import Frame
 from pmjac_pin.model.linkage import Edge
 from pmjac_pin.model.rows import Gap, Rows, Tilt
-from pmjac_pin.studies.modes.interval_loops import ahead
-from pmjac_pin.values.arrays import Array, Mask
+from pmjac_pin.studies.modes.interval_loops import Between
+from pmjac_pin.values.arrays import Array
 
 _IN_LINE = 1e-6  # of the longest side: three points less apart than this are in line
 _TOLERANCE_SLACK = 1.01  # for the rounding of tolerances
-_JETS = Jets(BOXES)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -103,14 +102,15 @@ class FloatingTriangle:
             for (i, j), square in zip(_PAIRS, self.squares, strict=True)
         )
 
-    def __call__(self, poses: Poses) -> tuple[list[Jet], list[Mask]]:
+    def __call__(self, poses: Poses) -> tuple[list[Jet], list[Number]]:
         """Return |Pᵢ − Pⱼ|² − Lᵢⱼ²."""
+        jets = Jets(poses.algebra)
         points = [poses.riding(0, hold.other).origin() for hold in self.holds]
         rows = [
-            _JETS.squared(points[j] - points[i]) - _still_jet(square)
+            jets.squared(points[j] - points[i]) - _still(jets, square)
             for (i, j), square in zip(_PAIRS, self.squares, strict=True)
         ]
-        return [_JETS.stack(rows)], []
+        return [jets.stack(rows)], []
 
 
 _PAIRS = ((0, 1), (1, 2), (2, 0))
@@ -201,33 +201,35 @@ class FloatingInPlane:
         rise = float((self.heights[1] - self.heights[0]).magnitude)
         return ((first.other, second.other, _longest(self.square) + rise),)
 
-    def __call__(self, poses: Poses) -> tuple[list[Jet], list[Mask]]:
+    def __call__(self, poses: Poses) -> tuple[list[Jet], list[Number]]:
         """Return the rows."""
+        jets = Jets(poses.algebra)
         plane = poses.riding(0, self.plane)
         axes, middle = plane.carried(np.eye(3)), plane.origin()
         others = [poses.riding(0, hold.other) for hold in self.holds]
         points = [other.origin() for other in others]
-        flat = [_JETS.dot(axes[:, :2], (point - points[0])[:, None]) for point in points]
+        flat = [jets.dot(axes[:, :2], (point - points[0])[:, None]) for point in points]
         side_x, side_y = flat[1][0], flat[1][1]
-        rows = [_JETS.squared(flat[1]) - _still_jet(self.square)]
+        rows = [jets.squared(flat[1]) - _still(jets, self.square)]
         for (along, across), there in zip(self.shares, flat[2:], strict=True):
-            share, part = _still_jet(along), _still_jet(across)
+            share, part = _still(jets, along), _still(jets, across)
             rows.append(there[0] - side_x * share + side_y * part)
             rows.append(there[1] - side_y * share - side_x * part)
         for point, height in zip(points, self.heights, strict=True):
-            rows.append(_JETS.dot(axes[:, 2], point - middle) - _still_jet(height))
-        up: list[Mask] = []
+            rows.append(jets.dot(axes[:, 2], point - middle) - _still(jets, height))
+        up: list[Number] = []
         for hold, direction in self.hinges:
             hinge = others[self.holds.index(hold)].carried(direction[None])
-            seen = _JETS.dot(axes, hinge)
+            seen = jets.dot(axes, hinge)
             rows += [seen[0], seen[1]]
-            up.append(ahead(seen[2]))
-        return [_JETS.stack(rows)], up
+            up.append(seen[2].value)
+        return [jets.stack(rows)], up
 
 
-def _still_jet(number: Intervals) -> Jet:
+def _still(jets: Jets, number: Intervals) -> Jet:
     """Return an interval as a scalar that does not change."""
-    return Jet(BOXES, number[..., None, None], None, ())
+    boxes: Between = jets.base  # type: ignore[assignment]
+    return Jet(boxes, boxes.between(number), None, ())
 
 
 def placed(edge: Edge, holds: Sequence[Held], frames: Sequence[pin.SE3]) -> pin.SE3:

@@ -12,32 +12,26 @@ from typing import Protocol
 
 import numpy as np
 
+from pmjac_pin.algebra import Number
 from pmjac_pin.algebra.intervals import Intervals
 from pmjac_pin.algebra.jets import Jet
 from pmjac_pin.kinematics.loops import Pair, riding
 from pmjac_pin.kinematics.tree import Poses
 from pmjac_pin.model.frames import Frame
+from pmjac_pin.model.joint_kind import Waves
 from pmjac_pin.model.rows import Distance, Gap, Rows
+from pmjac_pin.studies.modes.box_equations import Cuts, Enclosed
 from pmjac_pin.studies.modes.interval_tree import IntervalTree
-from pmjac_pin.values.arrays import Array, Mask
+from pmjac_pin.studies.modes.narrowing import narrowed
+from pmjac_pin.values.arrays import Array
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Enclosed:
-    """p loop equations over b boxes of k unknowns.
+class Between(Waves, Protocol):
+    """A number type over boxes: it has intervals among its numbers."""
 
-    Attributes
-    ----------
-    residual : Intervals, shape (b, p)
-    jacobian : Intervals, shape (b, p, k)
-        ∂η/∂φ; k = 0 where nobody asked for it.
-    possible : ndarray of bool, shape (b,)
-        False where a body is certainly half a turn from where the rows want it.
-    """
-
-    residual: Intervals
-    jacobian: Intervals
-    possible: Mask
+    def between(self, ends: Intervals) -> Number:
+        """Return intervals as numbers, their axes the components."""
+        ...
 
 
 class BoxRows(Protocol):
@@ -59,8 +53,8 @@ class BoxRows(Protocol):
     @property
     def spans(self) -> tuple[tuple[Frame, Frame, float], ...]: ...  # noqa: D102
 
-    def __call__(self, poses: Poses) -> tuple[list[Jet], list[Mask]]:
-        """Return the rows, in blocks, and in which boxes (b,) they can be meant."""
+    def __call__(self, poses: Poses) -> tuple[list[Jet], list[Number]]:
+        """Return the rows, in blocks, and cosines, each positive wherever they are meant."""
         ...
 
 
@@ -69,17 +63,20 @@ class IntervalLoops:
 
     Attributes
     ----------
+    tree : IntervalTree
+    places : mapping of int to int
+        Which unknown each column of v is.
     names : tuple of str
         Of the p rows.
     tolerance : ndarray, shape (p,)
         How far each row can be from 0 at a pose that counts as closed.
     """
 
-    __slots__ = ("_places", "_rows", "_tree", "names", "tolerance")
+    __slots__ = ("_rows", "names", "places", "tolerance", "tree")
 
     def __init__(self, tree: IntervalTree, rows: Sequence[BoxRows]) -> None:
-        self._tree, self._rows = tree, rows
-        self._places = {column: place for place, column in enumerate(tree.columns)}
+        self.tree, self._rows = tree, rows
+        self.places = {column: place for place, column in enumerate(tree.columns)}
         self.names = tuple(name for block in rows for name in block.names)
         self.tolerance = np.array([size for block in rows for size in block.tolerance])
 
@@ -91,21 +88,33 @@ class IntervalLoops:
         """Return all rows, shape (b, p)."""
         return self._evaluate(box, False).residual
 
+    def narrowed(self, box: Intervals, scale: Array, progress: float) -> tuple[Intervals, Cuts]:
+        """Return boxes narrowed, and what becomes of each."""
+        return narrowed(self, box, scale, progress)
+
+    def at(self, poses: Poses) -> tuple[list[Jet], list[Number]]:
+        """Return all rows, in blocks, and cosines, each positive wherever they are meant."""
+        blocks: list[Jet] = []
+        cosines: list[Number] = []
+        for part in self._rows:
+            more, others = part(poses)
+            blocks += more
+            cosines += others
+        return blocks, cosines
+
     def _evaluate(self, box: Intervals, rates: bool) -> Enclosed:
-        poses = self._tree.poses(box, rates)
-        count, unknowns = len(box.lower), len(self._places) if rates else 0
+        blocks, cosines = self.at(self.tree.poses(box, rates))
+        count, unknowns = len(box.lower), len(self.places) if rates else 0
         ends = [
             (np.empty((n, count)), np.zeros((n, unknowns, count))) for n in 2 * [len(self.names)]
         ]
         possible, start = np.ones(count, dtype=bool), 0
-        for part in self._rows:
-            blocks, allowed = part(poses)
-            for block in blocks:
-                where = slice(start, start + block.value.shape[0])
-                start = where.stop
-                self._put(block, where, ends)
-            for truth in allowed:
-                possible = possible & truth
+        for block in blocks:
+            where = slice(start, start + block.value.shape[0])
+            start = where.stop
+            self._put(block, where, ends)
+        for cosine in cosines:  # what is not a number excludes nothing
+            possible &= ~(cosine.upper[0] <= 0.0)
         (lower, low), (upper, high) = ends
         return Enclosed(
             Intervals(lower.T.copy(), upper.T.copy()),
@@ -115,7 +124,7 @@ class IntervalLoops:
 
     def _put(self, block: Jet, rows: slice, ends: Sequence[tuple[Array, Array]]) -> None:
         """Write a block of rows into the lower and the upper ends of all."""
-        places = [self._places[column] for column in block.columns]
+        places = [self.places[column] for column in block.columns]
         for (residual, jacobian), side in zip(ends, ("lower", "upper"), strict=True):
             residual[rows] = getattr(block.value, side)[:, 0]
             if places:
@@ -143,17 +152,11 @@ class PairRows:
                 found.append((self.pair.first, self.pair.second, apart))
         return tuple(found)
 
-    def __call__(self, poses: Poses) -> tuple[list[Jet], list[Mask]]:
+    def __call__(self, poses: Poses) -> tuple[list[Jet], list[Number]]:
         """Return the loop's rows."""
         blocks = riding(self.pair, poses)
-        cosines = [block.cosine for block in blocks if block.cosine is not None]
-        return [block.rows for block in blocks], [ahead(cosine) for cosine in cosines]
-
-
-def ahead(cosine: Jet) -> Mask:
-    """Tell in which boxes (b,) a cosine can be positive."""
-    possible: Mask = cosine.value.upper[0] > 0.0
-    return possible
+        cosines = [block.cosine.value for block in blocks if block.cosine is not None]
+        return [block.rows for block in blocks], cosines
 
 
 def tolerances(block: Rows, closed: float, length: float) -> tuple[float, ...]:

@@ -203,7 +203,7 @@ def _enclosed(
             continue
         if not one.mode.inside(problem.domain)[~problem.endless].all():
             unsettled.append(hulls[index : index + 1])
-        elif not any(_same(one, hulls[index], other, problem) for other in found):
+        elif not _known(one, hulls[index], found, problem):
             found.append(one)
     if _overlap(found, problem):
         return (), small, "enclosures of modes overlap"
@@ -214,16 +214,19 @@ def _enclosed(
     return tuple(found), left, failed
 
 
-def _same(one: Enclosure, box: Intervals, other: Enclosure, problem: BoxProblem) -> bool:
+def _known(one: Enclosure, box: Intervals, found: list[Enclosure], problem: BoxProblem) -> bool:
     """Tell whether a box is near a mode already known, where the same rows have only one root."""
-    whole = Intervals.stack([one.mode, box], 0)
-    moved = moved_near(whole, other.around, problem.endless)
-    return one.kept == other.kept and bool(moved.inside(other.around).all())
+    near = [other.around for other in found if other.kept == one.kept]
+    if not near:
+        return False
+    whole, around = Intervals.stack([one.mode, box], 0)[:, None], Intervals.stack(near, 0)
+    inside = moved_near(whole, around, problem.endless).inside(around)
+    return bool(inside.all(axis=(0, 2)).any())
 
 
 def _overlap(found: list[Enclosure], problem: BoxProblem) -> bool:
-    return any(
-        bool(moved_near(one.mode, other.mode, problem.endless).meets(other.mode).all())
-        for index, one in enumerate(found)
-        for other in found[:index]
-    )
+    if not found:
+        return False
+    modes = Intervals.stack([one.mode for one in found], 0)
+    meet = moved_near(modes[:, None], modes, problem.endless).meets(modes).all(axis=2)
+    return bool(np.tril(meet, -1).any())

@@ -1,0 +1,67 @@
+"""Memory that large results have left, for the next ones of the same size.
+
+What nobody sees any longer goes back to the system and comes anew, page by page. That takes as long
+as the poses in it where a machine has its pages from a host. So it is kept here, and the system is
+told that it may have it where memory runs short: then its pages come anew as well.
+"""
+
+from __future__ import annotations
+
+import mmap
+import sys
+from collections import deque
+from contextlib import suppress
+from typing import Any
+from weakref import finalize
+
+import numpy as np
+from numpy.typing import NDArray
+
+LARGE = 1 << 25  # bytes: the C library keeps less for the next one itself
+_LEFT: deque[mmap.mmap] = deque(maxlen=24)  # arrays: those of some results
+
+
+def in_memory_left(array: NDArray[Any]) -> NDArray[Any]:
+    """Return an array like an empty one, in memory that one of the same size has left, if any.
+
+    Its own goes to another when it ends. Every view of it, and what else shows its memory, keeps
+    it: so nothing that somebody sees is given away.
+    """
+    size = array.nbytes
+    memory = (_taken(size) or _mapped(size)) if size else None
+    if memory is None:
+        return array
+    # Of a view of a view NumPy keeps the last array alone: behind this one there is none.
+    found: NDArray[Any] = np.ndarray(array.shape, array.dtype, buffer=memoryview(memory))
+    finalize(found, _leave, memory).atexit = False
+    return found
+
+
+def _taken(size: int) -> mmap.mmap | None:
+    for _ in range(len(_LEFT)):
+        try:
+            memory = _LEFT.popleft()
+        except IndexError:  # another thread has taken it
+            return None
+        if len(memory) == size:
+            return memory
+        _LEFT.append(memory)
+    return None
+
+
+def _mapped(size: int) -> mmap.mmap | None:
+    if sys.platform != "linux":
+        return None
+    with suppress(OSError):
+        memory = mmap.mmap(-1, size, flags=mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS)
+        with suppress(OSError):
+            memory.madvise(mmap.MADV_HUGEPAGE)
+        return memory
+    return None
+
+
+def _leave(memory: mmap.mmap) -> None:
+    # Whenever an array ends, maybe within `_taken`: no lock, but one operation that is whole.
+    with suppress(OSError):
+        memory.madvise(mmap.MADV_FREE)
+        _LEFT.append(memory)

@@ -1,0 +1,83 @@
+"""Sound rows: of many poses that are given, those that a single call would take.
+
+One bad pose among a million must not cost the others: rows of no finite numbers, or with turns that
+are not of unit length, are said to be INVALID, and another pose stands in for them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cached_property
+
+import numpy as np
+
+from pmjac_pin.batches.results import Status, Statuses
+from pmjac_pin.mechanism import Mechanism
+from pmjac_pin.model.unit_turns import UnitRows
+from pmjac_pin.values.arrays import Array, Mask
+from pmjac_pin.values.checks import LARGEST, within
+
+
+class SoundRows:
+    """Looks at rows that are given for one mechanism.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+    """
+
+    def __init__(self, mechanism: Mechanism) -> None:
+        self._mechanism = mechanism
+
+    def of_poses(self, q: Array) -> tuple[Array, Mask | None]:
+        """Return rows of q (N, nq), their turns of unit length, and which are none; None: all are.
+
+        Home stands in for them.
+        """
+        bad = _no_numbers(q)
+        if bad is not None:
+            q = np.where(bad[:, None], self._mechanism.home.q, q)
+        q, no_turns = self._unit_rows.sound(q)
+        if no_turns is not None:
+            q[no_turns] = self._mechanism.home.q
+            bad = no_turns if bad is None else bad | no_turns
+        return q, bad
+
+    def of_paths(
+        self, start: Array, values: Array, is_open: Callable[[Array], Mask] | None
+    ) -> tuple[Array, Array, Statuses | None]:
+        """Return rows of q (N, nq) and motor values (N, n), and why paths are none: as a status.
+
+        Parameters
+        ----------
+        is_open : callable, optional
+            Tells where loops are open; None where the start is known. Where it is none, the path
+            is one that goes nowhere, from home.
+        """
+        why: Statuses | None = None
+        if is_open is not None:
+            start, bad = self.of_poses(start)
+            opened = is_open(start)
+            if bad is not None or opened.any():
+                start = np.where(opened[:, None], self._mechanism.home.q, start)
+                why = np.where(opened, Status.OPEN, Status.CLOSED).astype(np.int8)
+                why[[] if bad is None else bad] = Status.INVALID
+        if (bad := _no_numbers(values)) is not None:
+            why = np.zeros(len(values), dtype=np.int8) if why is None else why
+            why[bad] = Status.INVALID
+        if why is None:
+            return start, values, None
+        motors = self._mechanism.problem.partition.actuated
+        at_rest = self._mechanism.coordinates.values_of(start, motors)
+        return start, np.where(why[:, None] != Status.CLOSED, at_rest, values), why
+
+    @cached_property
+    def _unit_rows(self) -> UnitRows:
+        return UnitRows(self._mechanism.kinematics.model)
+
+
+def _no_numbers(rows: Array) -> Mask | None:
+    """Tell which rows hold what is no number, or beyond those that are computed with."""
+    if within(rows, (-LARGEST, LARGEST)):
+        return None
+    return np.asarray(~(np.abs(rows) <= LARGEST).all(axis=1))
