@@ -118,6 +118,7 @@ def test_far_from_the_origin_and_at_other_parameters():
         again = pickle.loads(pickle.dumps(mechanism))
         assert again == mechanism
         assert again.parameters == mechanism.parameters
+        assert again.urdf == mechanism.urdf
         np.testing.assert_array_equal(again.place, mechanism.place)
         assert_the_same(answers(again.home), answers(mechanism.home))
     longer, expected = (one.with_parameters({"l1": 1.3}) for one in (again, mechanism))
@@ -148,15 +149,19 @@ def test_siblings_have_their_blueprint_once():
     assert first.blueprint is second.blueprint
 
 
-def test_machines_that_differ_are_not_taken_for_each_other():
+def test_machines_that_differ_are_not_taken_for_each_other(rng):
     four_bar = pj.load("four_bar")
-    lengths = [1.0, 1.0 + 2.0**-52, 1.1]
+    lengths = [1.0, 1.0 + 2.0**-52, *rng.uniform(1.0, 1.2, 5)]
     machines = [four_bar.with_parameters({"l1": length}) for length in lengths]
-    machines += [four_bar.with_tool("rocker"), pj.load("four_bar", tool_rows=["vx"])]
-    for machine in machines * 2:
-        again = pickle.loads(pickle.dumps(machine))
+    machines += [four_bar.with_tool(tool) for tool in ("rocker", "ground")]
+    machines += [pj.load("four_bar", tool_rows=[row]) for row in ("vx", "vy")]
+    sent = [pickle.dumps(machine) for machine in machines]
+    assert len(set(map(len, sent))) < len(sent)  # some are as long as others
+    for machine, pickled in zip(machines * 2, sent * 2, strict=True):
+        again = pickle.loads(pickled)
         assert again == machine
         assert again.parameters == machine.parameters
+        assert again.urdf == machine.urdf
 
 
 def test_what_is_kept_of_mechanisms_is_bounded():
