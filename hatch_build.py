@@ -1,7 +1,7 @@
 """Builds the kernels, which run tapes, and the description that a package index shows.
 
-The kernels with the C compiler that there is, or not at all: without them the package computes the
-same with NumPy and Pinocchio, slower.
+The kernels with the C compiler that there is (that of PyPI, ziglang, where the build sees it), or
+not at all: without them the package computes the same with NumPy and Pinocchio, slower.
 """
 
 from __future__ import annotations
@@ -9,9 +9,10 @@ from __future__ import annotations
 import hashlib
 import os
 import re
-import shlex
+import runpy
 import subprocess
 import sysconfig
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +20,8 @@ from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 from hatchling.metadata.plugin.interface import MetadataHookInterface
 
 PACKAGE = Path("pmjac_pin")
+# By its file: the package needs more than there is when it is built.
+COMPILERS = runpy.run_path(str(Path(__file__).parent / PACKAGE / "algebra" / "c_compilers.py"))
 LANES, TAPES = Path("algebra", "lanes.h"), Path("algebra", "tape_kernel.c")
 VALUES, PATHS = Path("algebra", "singular_values.c"), Path("closing", "path_kernel.c")
 STARTS, WALK = Path("closing", "starts.h"), Path("closing", "walk.h")
@@ -46,16 +49,17 @@ def build(target: Path, source: Path, *included: Path) -> str:
     """Compile a kernel; return what went wrong, "" where nothing did."""
     text = b"".join(path.read_bytes() for path in (source, *included))
     digest = hashlib.sha256(text).hexdigest()
-    compiler = shlex.split(os.environ.get("CC", "cc"))
     draft = target.with_suffix(f".{os.getpid()}")
-    command = [*compiler, *OPTIONS, f'-DSOURCE="{digest}"', str(source), "-o", str(draft), "-lm"]
-    failed = ""
-    # An older compiler knows the kinds of processors by no such names: then one version does.
-    for more in ((), ("-DFOR_EACH_PROCESSOR=",)):
+    options = [*OPTIONS, f'-DSOURCE="{digest}"', str(source), "-o", str(draft), "-lm"]
+    failed = f"no C compiler: none is called {', '.join(COMPILERS['NAMES'])}"
+    # An older one knows the kinds of processors by no such names: then one version does.
+    for compiler, more in product(COMPILERS["c_compilers"](), ((), ("-DFOR_EACH_PROCESSOR=",))):
+        command = [*compiler.command, *compiler.portable, *options, *more]
         try:
-            done = subprocess.run([*command, *more], capture_output=True, text=True, check=False)
+            done = subprocess.run(command, capture_output=True, text=True, check=False)
         except OSError as error:
-            return str(error)
+            failed = str(error)
+            continue
         if not done.returncode:
             draft.replace(target)
             return ""

@@ -119,9 +119,12 @@ SPOILT = {
 @pytest.mark.parametrize("how", SPOILT)
 def test_what_is_whole_is_loaded_and_what_is_not_is_compiled_anew(cache, how, rng, monkeypatch):
     compiled, build = [], compiled_programs._build
-    monkeypatch.setattr(
-        compiled_programs, "_build", lambda *given: (compiled.append(1), build(*given))
-    )
+
+    def counted(*given):
+        compiled.append(1)
+        return build(*given)
+
+    monkeypatch.setattr(compiled_programs, "_build", counted)
     tape, values = everything(), numbers(100, rng)
     expected = CompiledProgram.of(tape).run(values)
     (path,) = built(cache)

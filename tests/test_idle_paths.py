@@ -70,7 +70,7 @@ def machine(name):
 
 def cases():
     for name in [*IDLING, *CATALOGUE, *(f"random {seed}" for seed in range(5))]:
-        for share in (0.01, 0.1, 0.6, 3.0):
+        for share in (0.01, 0.6, 3.0) if name in IDLING else (0.6,):
             quick = name in QUICK and share in (0.01, 0.6)
             yield pytest.param(name, share, marks=[] if quick else [pytest.mark.slow])
 

@@ -1,8 +1,7 @@
-"""Tapes compiled by the machine's C compiler, and kept in the user's cache.
+"""Tapes compiled by a C compiler, the machine's or that of PyPI, and kept in the user's cache.
 
-A file there is named by what it computes, for which processor, and by which compiler; it is
-written beside its place and renamed, so that several processes may do so at once. What is not
-whole any longer is compiled anew, and what others could have written is not loaded.
+A file there is named by what it computes, for which processor, and by which compiler. What is not
+whole any longer is compiled anew.
 """
 
 from __future__ import annotations
@@ -10,21 +9,23 @@ from __future__ import annotations
 import ctypes
 import hashlib
 import os
-import secrets
 import shlex
-import stat
 import subprocess
+from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from threading import Lock
 from typing import NamedTuple
 
 import numpy as np
 
 from pmjac_pin.algebra import compiled_text as text
+from pmjac_pin.algebra.c_compilers import NAMES, CCompiler, c_compilers, named_compiler
 from pmjac_pin.algebra.c_kernels import address
+from pmjac_pin.algebra.compiled_cache import cache_folder, keep, load, not_kept, whole
 from pmjac_pin.algebra.tape import Tape
-from pmjac_pin.errors import MissingDependencyError, OutputError
+from pmjac_pin.errors import MissingDependencyError
 from pmjac_pin.values.arrays import Array, aligned
 
 # No function's error number is asked for, no exception is trapped, and no product is added to
@@ -34,7 +35,6 @@ _OPTIONS = (
     "-fPIC", "-shared", "-Wno-psabi",
 )  # fmt: skip
 _OF_PROCESSOR = (("-march=native",), ("-mcpu=native",), ())
-_DIGEST = 32  # bytes at the end of a file: of what is before
 
 
 class CompiledProgram:
@@ -66,11 +66,11 @@ class CompiledProgram:
         OutputError
             A cache that cannot be written, or that others can write to.
         """
-        compiler = _compiler(os.environ.get("CC", "cc"))
-        built = cache_folder() / f"{_digest_name(tape, compiler)}.so"
-        if not _is_whole(built):
-            _build(built, tape, compiler.command)
-        return cls(ctypes.CDLL(str(built)), tape)
+        compiler = _compiler()
+        folder = cache_folder()
+        kept = folder / f"{_digest_name(tape, compiler)}.so"
+        contents = whole(kept) or keep(_build(tape, compiler.command, folder), kept)
+        return cls(load(contents, folder), tape)
 
     def run(self, inputs: Array) -> Array:
         """Return the outputs, shape (outputs, N), of inputs of shape (inputs, N)."""
@@ -117,27 +117,6 @@ class CompiledPrograms:
             return self._known[id(tape)]
 
 
-def cache_folder() -> Path:
-    """Return where compiled programs are kept: made where it is not there, the user's alone.
-
-    Raises
-    ------
-    OutputError
-    """
-    base = Path(os.environ.get("XDG_CACHE_HOME", ""))
-    folder = (base if base.is_absolute() else Path.home() / ".cache") / "pmjac_pin"
-    try:
-        folder.mkdir(mode=0o700, parents=True, exist_ok=True)
-        known = folder.stat()
-    except OSError as error:
-        told = f"{folder}: compiled programs cannot be kept there ({error.strerror}); "
-        raise OutputError(f"{told}set XDG_CACHE_HOME to a folder that can be written") from None
-    if not _only_ours(known):
-        told = f"{folder}: others may write to this folder, so nothing in it is run; "
-        raise OutputError(f"{told}make it yours alone (chmod 700), or set XDG_CACHE_HOME")
-    return folder
-
-
 class _Compiler(NamedTuple):
     """The command that compiles for this processor, and what it says of both."""
 
@@ -145,23 +124,38 @@ class _Compiler(NamedTuple):
     identity: bytes
 
 
-@cache
-def _compiler(given: str) -> _Compiler:
-    """Return the compiler that a user names; raise MissingDependencyError where it does not run."""
-    for options in _OF_PROCESSOR:
-        command = (*shlex.split(given), *_OPTIONS, *options)
-        asked = [*command, "-dM", "-E", "-x", "c", os.devnull]
+def _compiler() -> _Compiler:
+    """Return the first compiler that runs; raise MissingDependencyError where none does."""
+    for candidate in c_compilers():
         try:
-            done = subprocess.run(asked, capture_output=True, check=False)
+            return _running(candidate)
         except OSError:
-            break
-        if not done.returncode:
-            return _Compiler(command, done.stdout)
+            continue
+    named = shlex.join(named_compiler())
+    none = f"neither {', '.join(NAMES)} nor ziglang is one that runs"
+    told = f"{named!r}, which the environment variable CC names, is none that runs"
     raise MissingDependencyError(
-        f"programs are compiled by a C compiler, and {given!r} is none that runs: install one "
-        "(apt install gcc, dnf install gcc, xcode-select --install), or name one in the "
-        "environment variable CC"
+        f"programs are compiled by a C compiler, and {told if named else none}: install one "
+        "(apt install gcc, dnf install gcc, xcode-select --install), take the one from PyPI "
+        "(pip install 'pmjac_pin[compiled]', which is ziglang), or name one in the environment "
+        "variable CC"
     )
+
+
+@cache
+def _running(candidate: CCompiler) -> _Compiler:
+    """Return a compiler with the options that it understands; raise OSError where none runs."""
+    for options in _OF_PROCESSOR:
+        command = (*candidate.command, *_OPTIONS, *options)
+        defined = _said([*command, "-dM", "-E", "-x", "c", os.devnull])
+        if not defined.returncode:
+            version = _said(candidate.version)
+            return _Compiler(command, defined.stdout + version.stdout)
+    raise OSError(defined.stderr)
+
+
+def _said(command: Sequence[str]) -> subprocess.CompletedProcess[bytes]:
+    return subprocess.run(command, capture_output=True, check=False)
 
 
 def _digest_name(tape: Tape, compiler: _Compiler) -> str:
@@ -176,44 +170,20 @@ def _digest_name(tape: Tape, compiler: _Compiler) -> str:
     return digest.hexdigest()
 
 
-def _is_whole(built: Path) -> bool:
-    """Tell whether a file is what was compiled, by this user."""
-    try:
-        opened = os.open(built, os.O_RDONLY | getattr(os, "O_NOFOLLOW", 0))
-    except OSError:
-        return False
-    with os.fdopen(opened, "rb") as file:
-        if not _only_ours(os.fstat(opened)):
-            return False
-        contents = file.read()
-    return hashlib.sha256(contents[:-_DIGEST]).digest() == contents[-_DIGEST:]
-
-
-def _only_ours(known: os.stat_result) -> bool:
-    user = getattr(os, "geteuid", None)  # not on every system
-    others = stat.S_IWGRP | stat.S_IWOTH
-    return user is None or (known.st_uid == user() and not known.st_mode & others)
-
-
-def _build(built: Path, tape: Tape, command: tuple[str, ...]) -> None:
-    draft = built.with_name(f".{secrets.token_hex(8)}.so")
-    asked = [*command, "-x", "c", "-", "-o", str(draft), "-lm"]
+def _build(tape: Tape, command: tuple[str, ...], folder: Path) -> bytes:
+    """Return a compiled tape, from a folder within another that is gone then."""
     source = text.compiled_text(tape).encode()
     try:
-        done = subprocess.run(asked, input=source, capture_output=True, check=False)
-        if done.returncode:
-            lines = done.stderr.decode(errors="replace").strip().splitlines()
-            raise MissingDependencyError(
-                f"{shlex.join(command)} cannot compile a program ({(lines or ['no reason'])[0]}): "
-                "name another C compiler in the environment variable CC"
-            )
-        with draft.open("ab") as file:
-            contents = draft.read_bytes()
-            file.write(hashlib.sha256(contents).digest())
-        draft.chmod(0o700)  # whatever the user's umask is
-        draft.replace(built)
+        with TemporaryDirectory(prefix=".", dir=folder) as drafts:  # for no one else to look into
+            draft = Path(drafts, "program.so")
+            asked = [*command, "-x", "c", "-", "-o", str(draft), "-lm"]
+            done = subprocess.run(asked, input=source, capture_output=True, check=False)
+            if not done.returncode:
+                return draft.read_bytes()
     except OSError as error:
-        told = f"{built.parent}: a compiled program cannot be kept there ({error.strerror})"
-        raise OutputError(told) from None
-    finally:
-        draft.unlink(missing_ok=True)
+        raise not_kept(folder, error) from None
+    lines = done.stderr.decode(errors="replace").strip().splitlines()
+    raise MissingDependencyError(
+        f"{shlex.join(command)} cannot compile a program ({(lines or ['no reason'])[0]}): "
+        "name another C compiler in the environment variable CC"
+    )

@@ -56,15 +56,16 @@ def batch(mechanism: Mechanism, *, compiled: bool = False) -> Batch:
     ----------
     mechanism : Mechanism
     compiled : bool
-        Whether its programs are compiled by the machine's C compiler: that takes some seconds, once
-        for these dimensions and this machine, and the same numbers come sooner.
+        Whether its programs are compiled by a C compiler, the machine's or PyPI's `ziglang`: that
+        takes some seconds, once for these dimensions and this machine, and the same numbers come
+        sooner.
 
     Raises
     ------
     MissingDependencyError
         No C compiler, or no kernel that was built with the package.
     OutputError
-        No cache for what is compiled.
+        No cache for what is compiled, or one that others can write or lead to.
 
     Examples
     --------
