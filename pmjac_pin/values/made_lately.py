@@ -6,16 +6,16 @@ from collections.abc import Callable
 from itertools import accumulate
 from typing import Any, Generic, NamedTuple, TypeVar
 
-Value = TypeVar("Value")
+MadeValue = TypeVar("MadeValue")
 
 
-class _Made(NamedTuple, Generic[Value]):
+class _Made(NamedTuple, Generic[MadeValue]):
     said: bytes
     beside: tuple[Any, ...]
-    value: Value
+    value: MadeValue
 
 
-class MadeLately(Generic[Value]):
+class MadeLately(Generic[MadeValue]):
     """The last few values that were made: one that is asked for again is not made again.
 
     They are known by all of their bytes, not by a digest. Threads need no lock, and none is left
@@ -37,9 +37,9 @@ class MadeLately(Generic[Value]):
 
     def __init__(self, most: int, most_bytes: int) -> None:
         self._most, self._most_bytes = most, most_bytes
-        self._kept: tuple[_Made[Value], ...] = ()
+        self._kept: tuple[_Made[MadeValue], ...] = ()
 
-    def of(self, said: bytes, beside: tuple[Any, ...], make: Callable[[], Value]) -> Value:
+    def of(self, said: bytes, beside: tuple[Any, ...], make: Callable[[], MadeValue]) -> MadeValue:
         """Return what was made of these bytes, or make it.
 
         Parameters
@@ -63,7 +63,7 @@ class MadeLately(Generic[Value]):
         """Forget all of them."""
         self._kept = ()
 
-    def _keep(self, made: _Made[Value]) -> None:
+    def _keep(self, made: _Made[MadeValue]) -> None:
         if 2 * len(made.said) > self._most_bytes:
             return
         kept = (made, *(one for one in self._kept if one is not made))[: self._most]

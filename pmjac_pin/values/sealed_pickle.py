@@ -8,7 +8,7 @@ from typing import Any
 
 from pmjac_pin.errors import ArgumentError, quoted
 
-_DIGEST = sha256().digest_size  # bytes, before the pickle
+_DIGEST_SIZE = sha256().digest_size  # bytes, before the pickle
 _PROTOCOL = 5
 
 
@@ -40,8 +40,8 @@ def unsealed(sealed: bytes, what: str) -> Any:
     """
     if not isinstance(sealed, bytes):
         raise ArgumentError(f"the pickle of {what} holds bytes, got {quoted(sealed)}")
-    said = memoryview(sealed)[_DIGEST:]
-    if sha256(said).digest() != sealed[:_DIGEST]:
+    said = memoryview(sealed)[_DIGEST_SIZE:]
+    if sha256(said).digest() != sealed[:_DIGEST_SIZE]:
         raise ArgumentError(
             f"the pickle of {what} was changed on its way: its {len(said)} bytes do not have the "
             "digest that they were written with; pickle it again"
