@@ -95,15 +95,13 @@ class Configuration(LoadedPose, Shown):
         That is on the branch with the problem's ranks, where one is given.
         """
         configuration = object.__new__(cls)
-        configuration.__dict__.update(known)
         configuration.__dict__.update(
-            {
-                "mechanism": mechanism,
-                "q": read_only(q),
-                "iterations": iterations,
-                "residual_norm": gap,
-                "_problem": problem,
-            }
+            known,
+            mechanism=mechanism,
+            q=read_only(q),
+            iterations=iterations,
+            residual_norm=gap,
+            _problem=problem,
         )
         return configuration
 

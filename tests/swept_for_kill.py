@@ -13,13 +13,18 @@ import pmjac_pin as pj
 PRELOADED = ["pmjac_pin.studies.sweep.sweep", "xarray", "zarr", "dask.array"]
 
 
+def reach(poses, found):
+    """A measure of one's own: how far the tool is from the origin, and a joint's value."""
+    return np.column_stack([np.linalg.norm(found.position, axis=1), poses.joint("theta1")])
+
+
 def go_on(out, count, workers=1, progress=None):
     """Sweep `count` times `count` poses into `out`, each a chunk, going on there."""
     lengths = np.linspace(0.85, 1.2, count)
     pj.sweep(
         loaded("three_rps"),
         {"l1": lengths, "l2": lengths},
-        measures=("J_eq", "q", "share"),
+        measures=("J_eq", "q", "share", ("reach", reach)),
         out=out,
         chunk=1,
         workers=workers,

@@ -43,6 +43,19 @@ def test_what_the_inverse_tells_is_what_singular_values_tell(share, count, rng):
             np.testing.assert_allclose(factors.solve(b), pseudo @ b, atol=1e-8 * scale)
 
 
+@pytest.mark.parametrize("rows", [5, 6, 15])
+def test_weak_columns_are_solved_for_as_precisely_whether_rows_are_redundant_or_not(rows, rng):
+    """AᵀA has the square of their share: no digits are lost by it."""
+    for _ in range(10):
+        left, right = (np.linalg.qr(rng.normal(size=(count, 5)))[0] for count in (rows, 5))
+        matrix = (left * [1.0, 0.9, 0.5, 0.1, 5e-3]) @ right
+        pseudo, b = np.linalg.pinv(matrix), rng.normal(size=(rows, 3))
+        factors, atol = factorise(matrix, np.linalg.norm(matrix)), 1e-12 * np.linalg.norm(pseudo)
+        assert factors.surely_exceeds(1e-4)
+        np.testing.assert_allclose(factors.inverse(5), pseudo, rtol=0.0, atol=atol)
+        np.testing.assert_allclose(factors.solve(b), pseudo @ b, rtol=0.0, atol=10.0 * atol)
+
+
 @pytest.mark.parametrize("size", [0.0, 1e-3, 1.0, 50.0])
 def test_what_bounds_call_certain_is_so_by_singular_values(size, rng):
     """Of K* of all smallest singular values, one at a time and all at once."""

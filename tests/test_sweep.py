@@ -285,7 +285,7 @@ def test_without_the_packages(monkeypatch):
 
 @pytest.mark.parametrize("most", [1, 2, 7, 12, 1000])
 def test_chunks_cover_a_grid_once(most):
-    points = Points.grid({"a": np.arange(3.0), "b": np.arange(4.0), "c": np.arange(5.0)})
+    points = Points.grid({"a": np.arange(3.0), "b": np.arange(4.0), "c": np.arange(5.0)}, {})
     chunk, seen = points.chunk(most), np.zeros(points.shape, dtype=int)
     assert np.prod(chunk) <= most
     for region in points.regions(chunk):

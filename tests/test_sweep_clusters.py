@@ -2,24 +2,51 @@
 
 from __future__ import annotations
 
+import threading
+
 import numpy as np
 import pytest
 import xarray
 from mechanisms import loaded
+from swept_for_kill import reach
 
 import pmjac_pin as pj
 
 LENGTHS = np.linspace(0.85, 1.2, 6)
 
 
-def swept(**given):
+def swept(reach=reach, **given):
     over = {"l1": LENGTHS, "l2": LENGTHS}
-    return pj.sweep(loaded("three_rps"), over, measures=("J_eq", "q"), chunk=4, **given).load()
+    measures = ("J_eq", "q", ("reach", reach))
+    return pj.sweep(loaded("three_rps"), over, measures=measures, chunk=4, **given).load()
 
 
 @pytest.fixture(scope="module")
 def expected():
     return swept(workers=1)
+
+
+def made_here():
+    """A function that no other process can import: `reach`, of what is at hand here."""
+    norm, stack = np.linalg.norm, np.column_stack
+    return lambda poses, found: stack([norm(found.position, axis=1), poses.joint("theta1")])
+
+
+def assert_said(client):
+    """What a function raises there is said here; what cannot be sent, before any work."""
+    lock = threading.Lock()
+
+    def far_only(poses, found):
+        if len(poses.q) == 2:  # the chunk, not the pose at which functions are tried
+            raise ZeroDivisionError("none is far")
+        return poses.share
+
+    for function, said in (
+        (far_only, "measure 'far': its function raised ZeroDivisionError: none is far"),
+        (lambda poses, found: lock and poses.share, "measure 'far': its function cannot be sent"),
+    ):
+        with pytest.raises(pj.ArgumentError, match=said):
+            pj.sweep("four_bar", {"theta1": [0.9, 1.0]}, measures={"far": function}, client=client)
 
 
 @pytest.mark.slow
@@ -35,12 +62,13 @@ def test_dask(expected, tmp_path):
         distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as here,
         distributed.Client(here) as client,
     ):
-        xarray.testing.assert_equal(swept(client=client), expected)
+        xarray.testing.assert_equal(swept(made_here(), client=client), expected)
         for name in ("one.zarr", "one.zarr"):
-            found = swept(client=client, out=tmp_path / name, resume=True)
+            found = swept(made_here(), client=client, out=tmp_path / name, resume=True)
             xarray.testing.assert_equal(found, expected)
-        found = swept(client=client, out=tmp_path / "two.zarr")
+        found = swept(made_here(), client=client, out=tmp_path / "two.zarr")
         xarray.testing.assert_equal(found, expected)
+        assert_said(client)
 
 
 @pytest.mark.slow
@@ -48,6 +76,9 @@ def test_ray(expected, tmp_path):
     ray = pytest.importorskip("ray")
     ray.init(num_cpus=2, include_dashboard=False, log_to_driver=False)
     try:
-        xarray.testing.assert_equal(swept(client=ray, out=tmp_path / "store.zarr"), expected)
+        xarray.testing.assert_equal(
+            swept(made_here(), client=ray, out=tmp_path / "store.zarr"), expected
+        )
+        assert_said(ray)
     finally:
         ray.shutdown()

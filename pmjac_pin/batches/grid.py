@@ -20,7 +20,7 @@ from pmjac_pin.errors import Interrupted, unknown_name
 from pmjac_pin.model.coordinates import JointCoordinates
 from pmjac_pin.rates.partition import Partition
 from pmjac_pin.values.arrays import Array, Index, Mask, sealed
-from pmjac_pin.values.columns import named_columns
+from pmjac_pin.values.columns import named_axes
 
 FROM_GUESS = -1  # in place of a neighbour's number
 _SEEDS = 64  # cells tried from the guess at a time until one is reached
@@ -56,14 +56,16 @@ class Grid:
 
         Parameters
         ----------
-        over : mapping of str to array_like, shape (k,)
+        over : mapping of str to array_like, shape (k,), or xarray.Dataset
             The axes.
         partition : Partition
         coordinates : JointCoordinates
         rest : ndarray, shape (n,)
             Where the motors are that are no axes, and where the others are near.
         """
-        axes, motors = named_columns(over, "over"), partition.actuated_names
+        motors = partition.actuated_names
+        units = dict(zip(motors, partition.units_of(partition.actuated), strict=True))
+        axes = named_axes(over, "over", units)
         for name in axes:
             if name not in motors:
                 raise unknown_name("motor", name, motors)

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
-from dataclasses import InitVar, dataclass, field
+from dataclasses import InitVar, dataclass, field, fields
 from enum import IntEnum
 from functools import lru_cache
 from types import MappingProxyType
-from typing import Any, TypeAlias
+from typing import Any, Self, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -89,6 +90,11 @@ class ManyClosed(ReadOnlyArrays):
         values = self._known_coordinates.values_of(self.q, columns)
         return read_only(values[..., 0] if columns.size == 1 else values)
 
+    def part(self, which: Index) -> Self:
+        """Return some of the poses, by their numbers."""
+        arrays = {one.name: getattr(self, one.name)[which] for one in fields(self)}
+        return type(self)(**arrays, coordinates=self.__dict__["_coordinates"])
+
     @property
     def _known_coordinates(self) -> JointCoordinates:
         coordinates: JointCoordinates | None = self.__dict__["_coordinates"]
@@ -135,6 +141,20 @@ class ManyJacobians(ReadOnlyArrays):
     J_eq: Array
     status: Statuses
 
+    def part(self, which: Index) -> Self:
+        """Return those of some of the poses, by their numbers."""
+        return type(self)(**{one.name: getattr(self, one.name)[which] for one in fields(self)})
+
+    @property
+    def Jv_eq(self) -> Array:
+        """Linear rows of each J_eq, shape (N, 3, n): m/s per unit rate of a motor."""
+        return self.J_eq[:, :3]
+
+    @property
+    def Jw_eq(self) -> Array:
+        """Angular rows of each J_eq, shape (N, 3, n): rad/s per unit rate of a motor."""
+        return self.J_eq[:, 3:]
+
 
 @dataclass(frozen=True, eq=False)
 class ManyEllipsoids(ManyJacobians):
@@ -152,6 +172,26 @@ class ManyEllipsoids(ManyJacobians):
 
     velocity_radii: Array
     angular_radii: Array
+
+    @property
+    def velocity_rank(self) -> Array:
+        """How many velocity radii are not zero, shape (N,): `velocity_ellipsoid().rank`."""
+        return _ranks_of_radii(self.velocity_radii)
+
+    @property
+    def angular_rank(self) -> Array:
+        """How many angular radii are not zero, shape (N,): `angular_ellipsoid().rank`."""
+        return _ranks_of_radii(self.angular_radii)
+
+    @property
+    def velocity_volume(self) -> Array:
+        """4/3 π r₁ r₂ r₃, (m/s)³, shape (N,): `velocity_ellipsoid().volume`, 0 where it is flat."""
+        return _volumes_of_radii(self.velocity_radii)
+
+    @property
+    def angular_volume(self) -> Array:
+        """As `velocity_volume`, (rad/s)³, shape (N,): `angular_ellipsoid().volume`."""
+        return _volumes_of_radii(self.angular_radii)
 
 
 @dataclass(frozen=True, eq=False)
@@ -172,6 +212,15 @@ class ManyMeasures(ManyEllipsoids):
     condition: Array
     position: Array
     rotation: Array
+
+
+def _ranks_of_radii(radii: Array) -> Array:
+    """Return numbers, since none is NaN: of no whole number it could be told that it is none."""
+    return read_only(np.where(np.isnan(radii).any(axis=1), np.nan, (radii != 0.0).sum(axis=1)))
+
+
+def _volumes_of_radii(radii: Array) -> Array:
+    return read_only(4 / 3 * math.pi * radii.prod(axis=1))
 
 
 _OF_ONE_POSE: dict[str, tuple[int, ...]] = {  # less the motors, which are -1

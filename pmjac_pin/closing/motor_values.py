@@ -8,11 +8,12 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike
 
-from pmjac_pin.errors import ArgumentError, quoted, unknown_name
+from pmjac_pin.errors import ArgumentError, unknown_name
 from pmjac_pin.model.coordinates import LIMIT_SLACK, JointCoordinates
 from pmjac_pin.model.spec import MechanismSpec
 from pmjac_pin.values.arrays import Array, Mask
 from pmjac_pin.values.checks import LARGEST, as_numbers, real_numbers, seen_rows, within
+from pmjac_pin.values.columns import columns_of, without_labels
 from pmjac_pin.values.named_values import named_values
 
 MotorValues: TypeAlias = ArrayLike | Mapping[str, float]
@@ -71,7 +72,7 @@ class Motors:
         UnknownNameError, ArgumentError
             As `motor_values`; columns of unlike lengths.
         """
-        if (columns := _columns(given)) is not None:
+        if (columns := columns_of(given)) is not None:
             return self._by_columns(columns)
         values = seen_rows(given, "motor values")
         if values.ndim != 2 or values.shape[1] != len(self._names):
@@ -81,7 +82,10 @@ class Motors:
 
     def _by_columns(self, columns: dict[Any, Any]) -> Array:
         _check_motor_names(self._names, self._coordinates, columns)
-        ordered = [real_numbers(columns[name], f"values of motor {name!r}") for name in self._names]
+        ordered = [
+            real_numbers(without_labels(columns[name]), f"values of motor {name!r}")
+            for name in self._names
+        ]
         shapes = {column.shape for column in ordered}
         if len(shapes) > 1 or ordered[0].ndim != 1:
             got = ", ".join(str(column.shape) for column in ordered)
@@ -174,33 +178,6 @@ def _listed(names: tuple[str, ...], given: Any, what: str) -> Array:
         wanted = f"{len(names)} {what}{plural} ({', '.join(names)})"
         raise ArgumentError(f"{wanted} expected, got {got}")
     return values
-
-
-def _columns(given: Any) -> dict[Any, Any] | None:
-    """Return columns by their names, None for what has none."""
-    if type(given) is np.ndarray and given.dtype.names is None:
-        return None
-    if names := getattr(getattr(given, "dtype", None), "names", None):
-        return {name: given[name] for name in names}
-    if isinstance(given, Mapping) or callable(getattr(given, "keys", None)):
-        # Of pandas' columns and xarray's variables, the numbers without their own labels.
-        return {name: getattr(given[name], "values", given[name]) for name in list(given.keys())}
-    return _labelled_columns(given)
-
-
-def _labelled_columns(given: Any) -> dict[Any, Any] | None:
-    """Return the columns of an array of xarray's that labels one of its two axes by names."""
-    dimensions, coordinates = getattr(given, "dims", ()), getattr(given, "coords", {})
-    if len(dimensions) != 2:
-        return None
-    for axis, dimension in enumerate(dimensions):
-        labels = np.asarray(coordinates[dimension]).tolist() if dimension in coordinates else []
-        if labels and all(isinstance(label, str) for label in labels):
-            if len(set(labels)) < len(labels):
-                raise ArgumentError(f"motor values are labelled {quoted(labels)}, by one twice")
-            table = np.moveaxis(np.asarray(given), axis, 1)
-            return {label: table[:, k] for k, label in enumerate(labels)}
-    return None
 
 
 def _check_motor_names(

@@ -120,7 +120,8 @@ class Kinematics:
         scratch = self._at(q)
         data = scratch.data
         residual, constraint_jacobian = self.loops.in_world(self.model, data, scratch.loops, q)
-        return Snapshot(residual, constraint_jacobian, *self.tool.at(self.model, data))
+        tool_jacobian, tool_pose = self.tool.at(self.model, data)
+        return Snapshot(residual, constraint_jacobian, tool_jacobian, tool_pose)
 
     def tool_at(self, q: Array, tool: ToolKinematics) -> tuple[Array, pin.SE3]:
         """Return the Jacobian (6, nv) of any tool, LOCAL_WORLD_ALIGNED, and its pose."""

@@ -118,8 +118,8 @@ def frame_jacobian(model: pin.Model, data: pin.Data, index: int) -> Array:
 
     Of a model with one degree of freedom, Pinocchio returns a vector.
     """
-    jacobian: Array = pin.getFrameJacobian(model, data, index, _ALIGNED).reshape(6, -1)
-    return jacobian
+    jacobian: Array = pin.getFrameJacobian(model, data, index, _ALIGNED)
+    return jacobian if jacobian.ndim > 1 else jacobian[:, None]
 
 
 def _cross(a: Numbers, b: Numbers) -> Numbers:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import functools
 import math
 
 import numpy as np
 
-from pmjac_pin.values.arrays import Array, norm
+from pmjac_pin.values.arrays import Array, norm, read_only
 from pmjac_pin.values.found_once import found_once
+from pmjac_pin.values.lapack import inverted
 
 #: A singular value below this times the size of [K K*] counts as zero. Loops closed to 1e-12
 #: of the length cannot tell a pose from a singular one nearer than √1e-12: at a fold the residual
@@ -151,9 +153,8 @@ def factorise(matrix: Array, size: float, tolerance: float = RANK_TOLERANCE) -> 
     if rows < columns or not columns:
         return Factorisation(matrix, size, tolerance, None, 0.0)
     square = rows == columns
-    try:
-        inverse = np.linalg.inv(matrix if square else matrix.T.dot(matrix))
-    except np.linalg.LinAlgError:
+    inverse = inverted(matrix if square else matrix.T.dot(matrix))
+    if inverse is None:
         return Factorisation(matrix, size, tolerance, None, 0.0)
     # By the largest entry: squares may overflow.
     entries = np.abs(inverse)
@@ -164,5 +165,10 @@ def factorise(matrix: Array, size: float, tolerance: float = RANK_TOLERANCE) -> 
         return Factorisation(matrix, size, tolerance, None, 0.0)
     if not square:  # A⁺ = (AᵀA)⁻¹Aᵀ, improved by one step
         left = inverse.dot(matrix.T)
-        inverse = left + left - left.dot(matrix.dot(left))
+        inverse = (_twice(columns) - left.dot(matrix)).dot(left)
     return Factorisation(matrix, size, tolerance, inverse, bound)
+
+
+@functools.cache
+def _twice(size: int) -> Array:
+    return read_only(2.0 * np.eye(size))

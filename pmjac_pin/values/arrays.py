@@ -43,11 +43,7 @@ class ReadOnlyArrays:
 
 def read_only(array: AnyArray) -> AnyArray:
     """Return a copy that stays read-only: over bytes, ``setflags(write=True)`` is refused."""
-    if not array.size:
-        array = array.copy()
-        array.setflags(write=False)
-        return array
-    return np.frombuffer(array.tobytes(), array.dtype).reshape(array.shape)  # type: ignore[return-value]
+    return np.ndarray(array.shape, array.dtype, array.tobytes())  # type: ignore[return-value]
 
 
 def sealed(array: AnyArray) -> AnyArray:

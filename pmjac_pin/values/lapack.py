@@ -5,7 +5,9 @@ from __future__ import annotations
 import functools
 from typing import Any
 
-from pmjac_pin.values.arrays import Array
+import numpy as np
+
+from pmjac_pin.values.arrays import Array, read_only
 
 
 def solved(matrix: Array, right: Array) -> Array | None:
@@ -19,8 +21,26 @@ def solved(matrix: Array, right: Array) -> Array | None:
     >>> solved(np.zeros((2, 2)), np.ones(2)) is None
     True
     """
-    *_, solution, failed = _lapack().dgesv(matrix, right)
+    _, _, solution, failed = _lapack().dgesv(matrix, right)
     return None if failed else solution
+
+
+def inverted(matrix: Array) -> Array | None:
+    """Return the inverse of a square A, or None as `solved`.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> inverted(2.0 * np.eye(2)).tolist()
+    [[0.5, 0.0], [0.0, 0.5]]
+    """
+    transposed = solved(matrix.T, _identity(len(matrix)))
+    return None if transposed is None else transposed.T
+
+
+@functools.cache
+def _identity(size: int) -> Array:
+    return read_only(np.eye(size))
 
 
 def least_squares(matrix: Array, right: Array) -> Array | None:

@@ -6,13 +6,13 @@ import contextlib
 import multiprocessing
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import cache, partial
 from typing import Any, TypeAlias, TypeVar
 
 from pmjac_pin.batches.pieces import Progress
-from pmjac_pin.errors import ArgumentError, quoted
+from pmjac_pin.errors import ArgumentError, PmjacError, quoted
 from pmjac_pin.values.checks import check_callable
 
 #: (function, *arguments) ↦ what has a `result()`.
@@ -43,6 +43,13 @@ class Hands:
 
     def __post_init__(self) -> None:
         check_callable(self.progress, "progress")
+
+    @property
+    def elsewhere(self) -> bool:
+        """Whether jobs are sent to other processes."""
+        if self.client is None:
+            return self.workers > 1
+        return not isinstance(self.client, ThreadPoolExecutor)
 
     def results(self, function: Callable[..., T], jobs: Sequence[tuple[Any, ...]]) -> Iterator[T]:
         """Yield the results of all jobs in their order, a few being handed out at a time."""
@@ -88,7 +95,13 @@ class _Ray:
         self._get, self._remote = ray.get, cache(ray.remote)
 
     def __call__(self, function: Callable[..., Any], *arguments: Any) -> Any:
-        return _Here(self._get, self._remote(function).remote(*arguments))
+        return _Here(self._result, self._remote(function).remote(*arguments))
+
+    def _result(self, task: Any) -> Any:
+        try:
+            return self._get(task)
+        except PmjacError as error:  # Ray's child of it, with what it says in a traceback
+            raise getattr(error, "cause", error) from error
 
 
 def _submit_of(client: Any) -> Submit:

@@ -12,7 +12,7 @@ import numpy as np
 
 from pmjac_pin.errors import ArgumentError
 from pmjac_pin.values.arrays import Array
-from pmjac_pin.values.columns import named_columns
+from pmjac_pin.values.columns import named_axes, named_samples
 
 Region: TypeAlias = tuple[slice, ...]
 
@@ -43,14 +43,14 @@ class Points:
             raise ArgumentError(f"{sizes} = {self.count:.3g} points are too many; {most}")
 
     @classmethod
-    def grid(cls, over: object) -> Points:
-        """Return all combinations of the values of some axes."""
-        return cls(tuple(values := named_columns(over, "over")), values)
+    def grid(cls, over: object, units: Mapping[str, str]) -> Points:
+        """Return all combinations of the values of some axes, which have these units."""
+        return cls(tuple(values := named_axes(over, "over", units)), values)
 
     @classmethod
-    def samples(cls, given: object) -> Points:
-        """Return values that belong together, one of each name."""
-        values = named_columns(given, "samples")
+    def samples(cls, given: object, units: Mapping[str, str]) -> Points:
+        """Return values that belong together, one of each name, which have these units."""
+        values = named_samples(given, "samples", units)
         sizes = {name: column.size for name, column in values.items()}
         if len(set(sizes.values())) > 1:
             counts = ", ".join(f"{count} of {name!r}" for name, count in sizes.items())

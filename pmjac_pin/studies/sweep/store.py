@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 from pmjac_pin.errors import ArgumentError, MissingDependencyError, OutputError
 from pmjac_pin.files.user_path import output_path, shown_path
 from pmjac_pin.studies.sweep.points import Region
-from pmjac_pin.studies.sweep.variables import VARIABLES
 from pmjac_pin.studies.sweep.work import SweepWork
 from pmjac_pin.values.arrays import Index
 
@@ -103,8 +102,7 @@ class Store:
         for name, column in points.values.items():
             dims = (name,) if points.is_grid else points.dims
             group.create_array(name, data=column, dimension_names=dims)
-        for name in work.measures:
-            variable = VARIABLES[name]
+        for name, variable in work.variables.items():
             part = variable.empty(chunk, work.labels)
             group.create_array(
                 name,

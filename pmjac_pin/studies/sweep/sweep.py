@@ -13,14 +13,15 @@ from numpy.typing import NDArray
 from pmjac_pin.batches.pieces import Progress, interrupted
 from pmjac_pin.batches.results import Status
 from pmjac_pin.errors import ArgumentError
+from pmjac_pin.loading import load
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.studies.datasets import Dataset, dataset
 from pmjac_pin.studies.evidence import Evidence
 from pmjac_pin.studies.sweep.hands import Hands
-from pmjac_pin.studies.sweep.points import Points, Region
-from pmjac_pin.studies.sweep.question import identity, question
+from pmjac_pin.studies.sweep.own_measures import Measure
+from pmjac_pin.studies.sweep.points import Region
+from pmjac_pin.studies.sweep.question import identity, points_asked, question
 from pmjac_pin.studies.sweep.store import MARK, Store, packages
-from pmjac_pin.studies.sweep.variables import VARIABLES
 from pmjac_pin.studies.sweep.work import SweepWork
 from pmjac_pin.values.checks import as_count, as_flag
 
@@ -29,10 +30,10 @@ _MOST_IN_MEMORY = 10**7  # points: some hundred bytes each
 
 def sweep(
     mechanism: Mechanism | str | Path,
-    over: Mapping[str, Any] | None = None,
+    over: Mapping[Any, Any] | None = None,
     *,
-    samples: Mapping[str, Any] | None = None,
-    measures: Iterable[str] = ("J_eq",),
+    samples: Any = None,
+    measures: Iterable[str | tuple[str, Measure]] | Mapping[str, Measure] = ("J_eq",),
     out: str | os.PathLike[str] | None = None,
     resume: bool = False,
     guess: str = "home",
@@ -51,15 +52,20 @@ def sweep(
     ----------
     mechanism : Mechanism, str or Path
         Or a name of the catalogue, or a path.
-    over : mapping of str to array_like, shape (k,)
+    over : mapping of str to array_like, shape (k,), or xarray.Dataset
         Values of motors (m or rad) and parameters: all combinations are computed. The other
-        motors stay as at home, the other parameters as the mechanism has them.
-    samples : mapping of str to array_like, shape (k,)
-        Instead: values that belong together, as drawn at random.
-    measures : iterable of str
+        motors stay as at home, the other parameters as the mechanism has them. Of a dataset, its
+        variables and coordinates, of one dimension each.
+    samples : mapping of str to array_like, shape (k,), or table
+        Instead: values that belong together, as drawn at random; also the columns of a pandas
+        ``DataFrame``, of NumPy's records or of an xarray ``Dataset`` along one dimension.
+    measures : iterable of str or (str, callable), or mapping of str to callable
         Variables of the result beside `status`: "share" and "q" as of `ManyClosed`, "J_eq",
-        "velocity_radii", "angular_radii", "smallest", "condition", "position" and "rotation" as
-        of `ManyMeasures`.
+        "Jv_eq", "Jw_eq", "velocity_radii", "velocity_rank", "velocity_volume" and the same of
+        "angular_...", "smallest", "condition", "position" and "rotation" as of `ManyMeasures`.
+        And functions (`ManyClosed`, `ManyMeasures`) ↦ array_like, shape (N, ...), by a name: they
+        are given N poses whose status is CLOSED, as `Batch.measures_at` returns them, and say of
+        each what does not depend on the others; elsewhere is NaN.
     out : path, optional
         A zarr folder to be made. What is done stays there if the process ends early.
     resume : bool
@@ -88,7 +94,8 @@ def sweep(
     Raises
     ------
     ArgumentError, UnknownNameError
-        No such motor, parameter, measure or pose; values out of range; `out` holds another sweep.
+        No such motor, parameter, measure or pose; values out of range or in another unit; `out`
+        holds another sweep; a function that fails, returns something else, or cannot be sent.
     OutputError
         `out` exists and is not to be resumed, or cannot be made.
     MissingDependencyError
@@ -103,16 +110,24 @@ def sweep(
     >>> found = pj.sweep(pj.load("three_rps"), {"l1": lengths, "l2": lengths}, workers=1)
     >>> dict(found.J_eq.sizes)
     {'l1': 5, 'l2': 5, 'row': 6, 'motor': 3}
+    >>> height = lambda poses, found: found.position[:, 2]
+    >>> found = pj.sweep("three_rps", {"l1": lengths}, measures={"height": height}, workers=1)
+    >>> found.height.dims
+    ('l1',)
     """
     packages()
     resume = as_flag(resume, "resume")
-    points = _points_asked(over, samples)
-    work, machine = question(mechanism, points, measures, guess, enforce_limits)
+    machine = mechanism if isinstance(mechanism, Mechanism) else load(mechanism)
+    points = points_asked(machine, over, samples)
+    work = question(machine, points, measures, guess, enforce_limits)
     shape = points.chunk(as_count(chunk, "`chunk`"))
     regions, processes = points.regions(shape), os.cpu_count() or 1
     if workers is not None:
         processes = as_count(workers, "`workers`")
     hands = Hands(client, min(processes, len(regions)), progress)
+    if hands.elsewhere:
+        for one in work.own:
+            one.contents  # noqa: B018 - says what cannot be sent, before any work
     what = identity(work, machine, shape)
     if out is None:
         arrays = _memory(work)
@@ -138,8 +153,8 @@ def _memory(work: SweepWork) -> dict[str, NDArray[Any]]:
         most = f"at most {_MOST_IN_MEMORY:.0e} are kept in memory"
         raise ArgumentError(f"{points.count:.3g} points without `out`: {most}; name a folder")
     return {
-        name: VARIABLES[name].empty(points.shape, work.labels, not_done=True)
-        for name in work.measures
+        name: variable.empty(points.shape, work.labels, not_done=True)
+        for name, variable in work.variables.items()
     }
 
 
@@ -157,18 +172,14 @@ def _kept_on_interrupt(found: Callable[[], Dataset]) -> Iterator[Callable[[], Da
 def _with_labels(work: SweepWork, found: Dataset) -> Dataset:
     """Say what the numbers of statuses and the places along the axes mean, and rest on."""
     statement = "statuses, poses and measures are those of single calls, to rounding"
+    if own := ", ".join(one.name for one in work.own):
+        statement += f"; functions that the caller gave say of them: {own}"
     found.attrs["evidence"] = str(Evidence("tolerance", statement))
     found.status.attrs["flag_values"] = [one.value for one in Status]
     found.status.attrs["flag_meanings"] = " ".join(one.name for one in Status)
     return found.assign_coords(
         {name: list(labels) for name, labels in work.labels.items() if name in found.dims}
     )
-
-
-def _points_asked(over: object, samples: object) -> Points:
-    if (over is None) == (samples is None):
-        raise ArgumentError("either `over`, the axes of a grid, or `samples` is wanted")
-    return Points.samples(samples) if over is None else Points.grid(over)
 
 
 def _in_memory(
@@ -198,7 +209,6 @@ def _dataset(
         name: ((name,) if points.is_grid else points.dims, column)
         for name, column in points.values.items()
     }
-    variables = {
-        name: ((*points.dims, *VARIABLES[name].dims), array) for name, array in arrays.items()
-    }
+    asked = work.variables
+    variables = {name: ((*points.dims, *asked[name].dims), array) for name, array in arrays.items()}
     return dataset({**variables, **values}, {}, attributes)

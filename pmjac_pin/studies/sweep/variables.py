@@ -6,7 +6,7 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from types import MappingProxyType
-from typing import Any, Protocol
+from typing import Any, Protocol, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,9 +15,12 @@ from pmjac_pin.batches.batch import Batch
 from pmjac_pin.batches.results import ManyClosed, ManyJacobians, ManyMeasures, Status, Statuses
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.coordinates import entry_names
+from pmjac_pin.studies.sweep.own_measures import OwnMeasure
 from pmjac_pin.values.arrays import Array, Index, Mask
 
-_MEASURED = frozenset(ManyMeasures.__dataclass_fields__) - set(ManyJacobians.__dataclass_fields__)
+_UNMEASURED = frozenset({"status", "share", "q", "J_eq", "Jv_eq", "Jw_eq"})
+#: Along an axis that is not one of the points.
+AxisLabels: TypeAlias = Sequence[str] | range
 _ROWS = ("vx", "vy", "vz", "wx", "wy", "wz")
 
 
@@ -71,7 +74,7 @@ class SeenPoses:
     @cached_property
     def jacobians(self) -> ManyJacobians:
         """J_eq at the closed poses: with the measures, where some of these are asked for."""
-        if not _MEASURED.isdisjoint(self._names):
+        if not _UNMEASURED.issuperset(self._names):
             return self.measures
         return self._many.part(self._closed).jacobian(self.poses.q[self._closed])
 
@@ -85,6 +88,25 @@ class SeenPoses:
         found: Statuses = self.poses.status.copy()
         found[self._closed] = self.jacobians.status
         return found
+
+    @cached_property
+    def _with_jacobian(self) -> Index:
+        return np.flatnonzero(self.status() == Status.CLOSED)
+
+    def own(self, of: OwnMeasure) -> Array:
+        """Return a caller's own measure: of the poses that have J_eq, and NaN elsewhere."""
+        found = np.full((len(self.poses.q), *of.shape), np.nan)
+        if self._with_jacobian.size:
+            found[self._with_jacobian] = of.at(*self._for_callers)
+        return found
+
+    @cached_property
+    def _for_callers(self) -> tuple[ManyClosed, ManyMeasures]:
+        """The poses that have J_eq, and their measures."""
+        poses, which = self.poses, self._with_jacobian
+        if which.size == len(poses.q):
+            return poses, self.measures
+        return poses.part(which), self.measures.part(np.searchsorted(self._closed, which))
 
     def known(self) -> Mask:
         """Tell of which poses all is known that was asked for until now."""
@@ -119,7 +141,7 @@ class Variable:
     of: Callable[[SeenPoses], NDArray[Any]]
 
     def empty(
-        self, points: Sequence[int], labels: Mapping[str, Sequence[str]], *, not_done: bool = False
+        self, points: Sequence[int], labels: Mapping[str, AxisLabels], *, not_done: bool = False
     ) -> NDArray[Any]:
         """Return an array without values.
 
@@ -137,7 +159,7 @@ class Variable:
         return np.full(shape, filler, dtype=filler.dtype)
 
 
-def labels_of(mechanism: Mechanism) -> dict[str, Sequence[str]]:
+def labels_of(mechanism: Mechanism) -> dict[str, AxisLabels]:
     """Return the labels of the axes that are not those of the points."""
     return {
         "row": _ROWS,
@@ -147,6 +169,11 @@ def labels_of(mechanism: Mechanism) -> dict[str, Sequence[str]]:
         "xyz": ("x", "y", "z"),
         "tool_axis": ("x", "y", "z"),
     }
+
+
+def own_variable(measure: OwnMeasure) -> Variable:
+    """Return the variable of a caller's own measure."""
+    return _per_pose(lambda seen: seen.own(measure), *measure.dims)
 
 
 def _per_pose(of: Callable[[SeenPoses], Array], *dims: str) -> Variable:
@@ -165,8 +192,14 @@ VARIABLES: Mapping[str, Variable] = MappingProxyType(
         "share": _per_pose(lambda seen: seen.poses.share),
         "q": _per_pose(lambda seen: seen.poses.q, "entry"),
         "J_eq": _per_pose(lambda seen: seen.spread(seen.jacobians.J_eq), "row", "motor"),
+        "Jv_eq": _per_pose(lambda seen: seen.spread(seen.jacobians.Jv_eq), "xyz", "motor"),
+        "Jw_eq": _per_pose(lambda seen: seen.spread(seen.jacobians.Jw_eq), "xyz", "motor"),
         "velocity_radii": _measure("velocity_radii", "radius"),
+        "velocity_rank": _measure("velocity_rank"),
+        "velocity_volume": _measure("velocity_volume"),
         "angular_radii": _measure("angular_radii", "radius"),
+        "angular_rank": _measure("angular_rank"),
+        "angular_volume": _measure("angular_volume"),
         "smallest": _measure("smallest"),
         "condition": _measure("condition"),
         "position": _measure("position", "xyz"),

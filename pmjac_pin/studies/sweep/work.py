@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pickle
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -17,8 +17,16 @@ from pmjac_pin.batches.pieces import PIECE
 from pmjac_pin.errors import ClosureError
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.limits import enforced
+from pmjac_pin.studies.sweep.own_measures import OwnMeasure
 from pmjac_pin.studies.sweep.points import Points, Region
-from pmjac_pin.studies.sweep.variables import VARIABLES, AlikePoses, SeenPoses
+from pmjac_pin.studies.sweep.variables import (
+    VARIABLES,
+    AlikePoses,
+    AxisLabels,
+    SeenPoses,
+    Variable,
+    own_variable,
+)
 from pmjac_pin.values.arrays import Array, Index
 
 _MACHINES = 8  # kept in each process
@@ -37,7 +45,8 @@ class SweepWork:
     motors, parameters : tuple of str
         The names of the points.
     measures : tuple of str
-        Of `VARIABLES`.
+        Of `VARIABLES`, or of `own`.
+    own : tuple of OwnMeasure
     labels : mapping
         Of the axes that are not those of the points.
     designs : int
@@ -52,17 +61,24 @@ class SweepWork:
     motors: tuple[str, ...]
     parameters: tuple[str, ...]
     measures: tuple[str, ...]
-    labels: Mapping[str, Sequence[str]]
+    own: tuple[OwnMeasure, ...]
+    labels: Mapping[str, AxisLabels]
     designs: int
     guess: str
     enforce_limits: bool | str
+
+    @property
+    def variables(self) -> dict[str, Variable]:
+        """What is computed, by name."""
+        own = {one.name: own_variable(one) for one in self.own}
+        return {name: own.get(name) or VARIABLES[name] for name in self.measures}
 
     def compute(self, region: Region) -> dict[str, NDArray[Any]]:
         """Return the measures in a region."""
         values = self.points.at(region)
         shape = [part.stop - part.start for part in region]
         count = int(np.prod(shape))
-        found = {name: VARIABLES[name].empty([count], self.labels) for name in self.measures}
+        found = {name: one.empty([count], self.labels) for name, one in self.variables.items()}
         left = self._by_designs(values, found)
         for parameters, which in self._machines(values, left):
             if (mechanism := _machine_at(self.machine, parameters)) is not None:
@@ -94,13 +110,13 @@ class SweepWork:
             seen = SeenPoses(many, poses, self.measures)
             self._put(found, which, seen)
             left.append(which[~seen.known()])
-            for name in self.measures:
-                found[name][left[-1]] = VARIABLES[name].nothing
+            for name, variable in self.variables.items():
+                found[name][left[-1]] = variable.nothing
         return np.concatenate(left)
 
     def _put(self, found: dict[str, NDArray[Any]], which: Index, seen: SeenPoses) -> None:
-        for name in self.measures:
-            found[name][which] = VARIABLES[name].of(seen)
+        for name, variable in self.variables.items():
+            found[name][which] = variable.of(seen)
 
     def _designs(self, values: Mapping[str, Array], which: Index) -> tuple[Array, Index]:
         """Return the values of parameters that some points have, and which of these each has."""
