@@ -28,6 +28,7 @@ matrix: dist
 
 bench: .venv/ready
 	$(BIN)/python benchmarks/bench_start.py
+	$(BIN)/python benchmarks/bench_pickle.py
 	$(BIN)/python benchmarks/bench_jacobian.py
 	$(BIN)/python benchmarks/bench_batch.py
 	$(BIN)/python benchmarks/bench_cpp.py

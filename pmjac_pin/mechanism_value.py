@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from types import MappingProxyType
 from typing import Any, Self
 
@@ -19,11 +20,18 @@ from pmjac_pin.files.urdf.robot import Urdf
 from pmjac_pin.kinematics.pinocchio import Kinematics
 from pmjac_pin.model.coordinates import JointCoordinates
 from pmjac_pin.model.frames import frames_from_the_ends
-from pmjac_pin.model.loop_spec import JointLoop
+from pmjac_pin.model.joint_kinds import JOINT_KINDS
+from pmjac_pin.model.loop_spec import LOOP_KINDS, JointLoop
 from pmjac_pin.model.spec import MechanismSpec
 from pmjac_pin.values.arrays import Array, read_only
+from pmjac_pin.values.found_once import found_once
+from pmjac_pin.values.made_lately import MadeLately
+from pmjac_pin.values.sealed_pickle import sealed_pickle, unsealed
 
 _MOST_FRAMES = 12  # listed in one message
+# Of those that were unpickled. What one holds grows much faster than its pickle, of 3 to 8 kB a
+# joint: of a ladder with 129 joints, which holds as many MB, none is kept.
+_MECHANISMS = MadeLately["MechanismValue"](most=8, most_bytes=500_000)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -240,17 +248,17 @@ class MechanismValue:
     def __deepcopy__(self, memo: dict[int, Any]) -> Self:
         return self
 
+    @found_once
+    def _sealed(self) -> bytes:
+        """What a pickle says of it: what it is built of, and what was found for it."""
+        parts, blueprint = self._parts, self.blueprint
+        told = {"notes": self.notes, "unread": self.unread, "blueprint": blueprint}
+        urdf = None if blueprint is not None and blueprint.urdf is parts.urdf else parts.urdf
+        built_of = (parts.standing, parts.spec, dict(parts.values), urdf)
+        return sealed_pickle((told, *built_of, FoundAtHome.of(parts)))
+
     def __reduce__(self) -> tuple[Any, ...]:
-        parts = self._parts
-        built_of = (
-            parts.standing,
-            parts.spec,
-            dict(parts.values),
-            parts.urdf,
-            FoundAtHome.of(parts),
-        )
-        told = {"notes": self.notes, "unread": self.unread, "blueprint": self.blueprint}
-        return (_rebuild, (type(self), told, *built_of))
+        return (_unpickled_mechanism, (type(self), self._sealed))
 
     def __repr__(self) -> str:
         motors = ", ".join(self.actuated[:3]) + ", ..." * (len(self.actuated) > 3)
@@ -273,5 +281,15 @@ class MechanismValue:
         return f", seen no further than {far} from home"
 
 
-def _rebuild(kind: type[MechanismValue], told: dict[str, Any], *built_of: Any) -> MechanismValue:
-    return kind(rebuilt_parts(*built_of), **told)
+def _unpickled_mechanism(kind: type[MechanismValue], sealed: bytes) -> MechanismValue:
+    """Return the mechanism that a pickle says: the same one while the same is unpickled again."""
+    # What names mean depends on the kinds that are registered.
+    kinds = (kind, *LOOP_KINDS.values(), *JOINT_KINDS.values())
+    return _MECHANISMS.of(sealed, kinds, partial(_rebuilt, kind, sealed))
+
+
+def _rebuilt(kind: type[MechanismValue], sealed: bytes) -> MechanismValue:
+    told, model, spec, values, urdf, found = unsealed(sealed, "a mechanism")
+    if urdf is None and told["blueprint"] is not None:
+        urdf = told["blueprint"].urdf
+    return kind(rebuilt_parts(model, spec, values, urdf, found), **told)

@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 
 import pmjac_pin as pj
+from pmjac_pin import mechanism_value
+from pmjac_pin.closing import blueprint
 
 # The peers' polynomials are written in SymPy, which comes with the extra `peers`.
 collect_ignore = [] if importlib.util.find_spec("sympy") else ["polynomials_by_hand.py"]
@@ -18,6 +20,13 @@ collect_ignore = [] if importlib.util.find_spec("sympy") else ["polynomials_by_h
 def rng(request):
     """A generator seeded by the test's own name: the same numbers each time, not one for all."""
     return np.random.default_rng(list(request.node.name.encode()))
+
+
+@pytest.fixture(autouse=True)
+def nothing_unpickled_before():
+    """What other tests have unpickled is no help."""
+    mechanism_value._MECHANISMS.clear()
+    blueprint._BLUEPRINTS.clear()
 
 
 @pytest.fixture

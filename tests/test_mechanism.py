@@ -17,6 +17,7 @@ from recording import recorded, unrecorded
 
 import pmjac_pin as pj
 from pmjac_pin.closing import assembly
+from pmjac_pin.values.sealed_pickle import sealed_pickle, unsealed
 
 
 @pytest.fixture(scope="module")
@@ -136,9 +137,11 @@ def test_a_pickle_made_by_hand_has_turns_of_unit_length():
 
 def test_a_mechanism_whose_pickle_has_an_open_home_is_assembled_anew(three_rps):
     def opened(argument):
-        if not isinstance(argument, assembly.FoundAtHome):
+        if not isinstance(argument, bytes):
             return argument
-        return dataclasses.replace(argument, home_q=argument.home_q + 0.01)
+        *built_of, found = unsealed(argument, "a mechanism")
+        elsewhere = dataclasses.replace(found, home_q=found.home_q + 0.01)
+        return sealed_pickle((*built_of, elsewhere))
 
     again = pickle.loads(pickle.dumps(ByHand(three_rps, opened)))
     np.testing.assert_array_equal(again.home.q, three_rps.home.q)

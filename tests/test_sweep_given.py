@@ -114,7 +114,13 @@ def test_what_is_refused(given, message):
 def test_angles_in_degrees_are_refused():
     degrees = xarray.Dataset({"theta1": ("theta1", [50.0, 60.0], {"units": "deg"})})
     mechanism = loaded("four_bar")
-    for call in (lambda: pj.sweep(mechanism, degrees), lambda: pj.batch(mechanism).grid(degrees)):
+    many, together = pj.batch(mechanism), xarray.Dataset(arrays({"theta1": degrees.theta1.values}))
+    together.theta1.attrs["units"] = "deg"
+    for call in (
+        lambda: pj.sweep(mechanism, degrees),
+        lambda: many.grid(degrees),
+        lambda: many.close(together),
+    ):
         with pytest.raises(pj.ArgumentError, match="'theta1' has the units 'deg': values in rad"):
             call()
     right = xarray.Dataset({"theta1": ("theta1", np.deg2rad([50.0, 60.0]), {"units": "radian"})})

@@ -36,8 +36,8 @@ class CCompiler(NamedTuple):
 def c_compilers() -> list[CCompiler]:
     """Return what the environment variable CC names; where it is empty, all that are found."""
     if given := named_compiler():
-        return [_called(*given)]
-    found = [_called(path) for name in NAMES if (path := shutil.which(name))]
+        return [_compiler(*given)]
+    found = [_compiler(path) for name in NAMES if (path := shutil.which(name))]
     if sys.executable and find_spec("ziglang"):
         zig = (sys.executable, "-P", "-m", "ziglang")  # -P: from no folder that happens to be here
         found.append(CCompiler((*zig, "cc"), (*zig, "version"), ("-mcpu=baseline",)))
@@ -53,6 +53,6 @@ def named_compiler() -> list[str]:
         return [given]
 
 
-def _called(name: str, *options: str) -> CCompiler:
+def _compiler(name: str, *options: str) -> CCompiler:
     command = (shutil.which(name) or name, *options)
     return CCompiler(command, (*command, "--version"))

@@ -72,7 +72,7 @@ def keep(program: bytes, kept: Path) -> bytes:
     contents = _with_digest(program)
     draft = _draft(kept.parent)
     try:
-        _write(draft, contents)
+        _put(draft, contents)
         draft.replace(kept)
     except OSError as error:
         raise not_kept(kept.parent, error) from None
@@ -81,7 +81,7 @@ def keep(program: bytes, kept: Path) -> bytes:
     return contents
 
 
-def load(contents: bytes, folder: Path) -> ctypes.CDLL:
+def loaded_from(contents: bytes, folder: Path) -> ctypes.CDLL:
     """Load a library from its bytes, by way of a folder that is the user's alone.
 
     Its file has a name that no other has had, by which the loader would take it for that one, and
@@ -89,7 +89,7 @@ def load(contents: bytes, folder: Path) -> ctypes.CDLL:
     """
     draft = _draft(folder)
     try:
-        _write(draft, contents)
+        _put(draft, contents)
         return ctypes.CDLL(str(draft))
     except OSError as error:
         raise not_kept(folder, error) from None
@@ -146,7 +146,7 @@ def _draft(folder: Path) -> Path:
     return folder / f".{secrets.token_hex(16)}.so"
 
 
-def _write(draft: Path, contents: bytes) -> None:
+def _put(draft: Path, contents: bytes) -> None:
     """Write a file that is new and, whatever the user's umask is, the user's alone."""
     with os.fdopen(os.open(draft, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o700), "wb") as file:
         draft.chmod(0o700)

@@ -23,7 +23,7 @@ import numpy as np
 from pmjac_pin.algebra import compiled_text as text
 from pmjac_pin.algebra.c_compilers import NAMES, CCompiler, c_compilers, named_compiler
 from pmjac_pin.algebra.c_kernels import address
-from pmjac_pin.algebra.compiled_cache import cache_folder, keep, load, not_kept, whole
+from pmjac_pin.algebra.compiled_cache import cache_folder, keep, loaded_from, not_kept, whole
 from pmjac_pin.algebra.tape import Tape
 from pmjac_pin.errors import MissingDependencyError
 from pmjac_pin.values.arrays import Array, aligned
@@ -70,7 +70,7 @@ class CompiledProgram:
         folder = cache_folder()
         kept = folder / f"{_digest_name(tape, compiler)}.so"
         contents = whole(kept) or keep(_build(tape, compiler.command, folder), kept)
-        return cls(load(contents, folder), tape)
+        return cls(loaded_from(contents, folder), tape)
 
     def run(self, inputs: Array) -> Array:
         """Return the outputs, shape (outputs, N), of inputs of shape (inputs, N)."""
@@ -147,14 +147,14 @@ def _running(candidate: CCompiler) -> _Compiler:
     """Return a compiler with the options that it understands; raise OSError where none runs."""
     for options in _OF_PROCESSOR:
         command = (*candidate.command, *_OPTIONS, *options)
-        defined = _said([*command, "-dM", "-E", "-x", "c", os.devnull])
+        defined = _answer([*command, "-dM", "-E", "-x", "c", os.devnull])
         if not defined.returncode:
-            version = _said(candidate.version)
+            version = _answer(candidate.version)
             return _Compiler(command, defined.stdout + version.stdout)
     raise OSError(defined.stderr)
 
 
-def _said(command: Sequence[str]) -> subprocess.CompletedProcess[bytes]:
+def _answer(command: Sequence[str]) -> subprocess.CompletedProcess[bytes]:
     return subprocess.run(command, capture_output=True, check=False)
 
 

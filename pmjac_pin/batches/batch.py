@@ -155,7 +155,7 @@ class Batch:
 
         Parameters
         ----------
-        over : mapping of str to array_like, shape (k,)
+        over : mapping of str to array_like, shape (k,), or Dataset
             Values of motors, m or rad: the axes. Other motors stay where the guess has them.
         guess : str or Configuration
             Where the first path begins; it leads to the nearest cell that it reaches.

@@ -33,7 +33,7 @@ def in_memory_left(array: NDArray[Any]) -> NDArray[Any]:
         return array
     # Of a view of a view NumPy keeps the last array alone: behind this one there is none.
     found: NDArray[Any] = np.ndarray(array.shape, array.dtype, buffer=memoryview(memory))
-    finalize(found, _leave, memory).atexit = False
+    finalize(found, _leave_to_next, memory).atexit = False
     return found
 
 
@@ -60,7 +60,7 @@ def _mapped(size: int) -> mmap.mmap | None:
     return None
 
 
-def _leave(memory: mmap.mmap) -> None:
+def _leave_to_next(memory: mmap.mmap) -> None:
     # Whenever an array ends, maybe within `_taken`: no lock, but one operation that is whole.
     with suppress(OSError):
         memory.madvise(mmap.MADV_FREE)

@@ -25,7 +25,7 @@ from pmjac_pin.values.arrays import Array, Mask, ReadOnlyArrays, sealed
 from pmjac_pin.values.checks import check_callable
 
 PIECE = 5120  # poses at most: they fill the kernel's lanes, and some MB
-_ALONE = 3072  # poses of a small machine, done as soon as another thread would have begun
+_BY_ONE = 3072  # poses of a small machine, done as soon as another thread would have begun
 _LANES = 16
 _HEARING = 0.2  # s: what waits for another thread does not hear every signal
 Progress: TypeAlias = Callable[[int, int], object]
@@ -182,7 +182,7 @@ def pieces_of(count: int) -> list[slice[int, int, None]]:
     >>> [piece.stop - piece.start for piece in pieces_of(10_000)]
     [2512, 5024, 2464]
     """
-    if count <= _ALONE:
+    if count <= _BY_ONE:
         return [slice(0, count)] if count else []
     alike = 2 * -(-count // (2 * PIECE))
     half = -(-count // (2 * alike * _LANES)) * _LANES

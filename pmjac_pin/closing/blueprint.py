@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pinocchio as pin
@@ -15,15 +15,20 @@ from pmjac_pin.closing.parts import Parts, PartsAtHome
 from pmjac_pin.errors import ArgumentError, ClosureError, ModelFileError, PmjacError, unknown_name
 from pmjac_pin.files.urdf.locking import lock_joints
 from pmjac_pin.files.urdf.robot import Urdf
+from pmjac_pin.model.joint_kinds import JOINT_KINDS
 from pmjac_pin.model.linkage import with_helical, with_spherical
+from pmjac_pin.model.loop_spec import LOOP_KINDS
 from pmjac_pin.model.spec import MechanismSpec
 from pmjac_pin.values.arrays import Array, norm
 from pmjac_pin.values.found_once import found_once
+from pmjac_pin.values.made_lately import MadeLately
+from pmjac_pin.values.sealed_pickle import sealed_pickle, unsealed
 
 if TYPE_CHECKING:
     from pmjac_pin.algebra.recordings import Recordings
 
 _FARTHEST_TURN = 0.5  # rad, of a joint's origin between stops: several on one body add up
+_BLUEPRINTS = MadeLately["Blueprint"](most=8, most_bytes=500_000)  # of those unpickled
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,8 +48,9 @@ class Blueprint:
     spec: MechanismSpec
     urdf: Urdf
 
-    def __reduce__(self) -> tuple[type[Blueprint], tuple[str, MechanismSpec, Urdf]]:
-        return type(self), (self.path, self.spec, self.urdf)  # what is found once is not sent
+    def __reduce__(self) -> tuple[Any, ...]:
+        # What is found once is not sent.
+        return _unpickled_blueprint, (sealed_pickle((self.path, self.spec, self.urdf)),)
 
     def of(self, spec: MechanismSpec) -> Blueprint:
         """Return that of another spec of the same tree."""
@@ -109,6 +115,12 @@ class Blueprint:
         legs = 1 + int(max(turns.values(), default=0.0) / _FARTHEST_TURN)
         for leg in range(1, legs):
             yield self._unassembled(part_of_the_way(defaults, values, leg / legs))
+
+
+def _unpickled_blueprint(sealed: bytes) -> Blueprint:
+    """Return the blueprint that a pickle says: the same for siblings, which share recordings."""
+    kinds = (*LOOP_KINDS.values(), *JOINT_KINDS.values())
+    return _BLUEPRINTS.of(sealed, kinds, lambda: Blueprint(*unsealed(sealed, "a blueprint")))
 
 
 def _pinocchio_model(urdf: Urdf, spec: MechanismSpec) -> pin.Model:

@@ -10,7 +10,7 @@ import numpy as np
 from pmjac_pin.closing.closed import Closed
 from pmjac_pin.closing.closure import LARGEST_STEP, MOST_STEPS, Followed, follow, is_singular
 from pmjac_pin.closing.closure_problem import ClosureProblem
-from pmjac_pin.closing.idle_way import IdleWay, pieces_of
+from pmjac_pin.closing.idle_way import IdleWay, parts_of
 from pmjac_pin.closing.step_guard import StepGuard
 from pmjac_pin.values.arrays import Array, norm
 
@@ -50,7 +50,7 @@ class IdlePath:
         distance = norm(self.displacement / partition.motor_scale) / partition.length
         if distance > MOST_STEPS * LARGEST_STEP:
             return self._piece(self.start, 1, 1)
-        count = int(pieces_of(np.array(distance)))
+        count = int(parts_of(np.array(distance)))
         return self._pieces(Followed(self.start, 0.0, 0), range(1, count + 1), count, _HALVINGS)
 
     def _pieces(

@@ -36,24 +36,24 @@ from pmjac_pin.rates.partition import Partition
 from pmjac_pin.values.arrays import Array, Index, Mask, norm
 
 # Lengths, a rad counted as one:
-PIECE = 1.0  #: how far motors go before the idle motions are looked at
+LONGEST_PART = 1.0  #: how far motors go before the idle motions are looked at
 LARGEST_RETURN = 0.5  #: of the first step back
 SETTLED = 1e-12  #: of the step that would be next
 UNRESOLVED = 1e-7  #: of a step that does not become smaller: beside a fold, it is rounding
 MOST_RETURNS = 20
 TURNED = 3.0  #: by how much ‖P‖² may grow
 
-_TAKES_PART = 1e-14  # of an idle motion: less is rounding
+_LEAST_PART = 1e-14  # of an idle motion: less is rounding
 
-_FLOATS = Floats()
+_NUMBERS = Floats()
 
 
-def pieces_of(distance: Array) -> Index:
+def parts_of(distance: Array) -> Index:
     """Return into how many pieces paths are cut that go so far, in lengths.
 
     Where that is a whole number, rounding does not decide.
     """
-    return np.maximum(1, np.ceil(distance / PIECE - 1e-6)).astype(np.intp)
+    return np.maximum(1, np.ceil(distance / LONGEST_PART - 1e-6)).astype(np.intp)
 
 
 class IdleWay:
@@ -92,7 +92,7 @@ class IdleWay:
             size = norm(back) / problem.partition.length
             if not (size <= 0.5 * before or size <= UNRESOLVED):
                 return None
-            here = self._seen(problem.partition, start, _moved(problem, here.point, back))
+            here = self._seen(problem.partition, start, _gone_by(problem, here.point, back))
             left = norm(inverse.dot(here.error)) / problem.partition.length
             resolved = left <= SETTLED or not size <= 0.5 * before
             if resolved and here.point.gap <= problem.tolerance:
@@ -106,7 +106,7 @@ class IdleWay:
         passive, scale = partition.passive, partition.passive_scale[:, None]
         idle = start.factors.right[partition.passive_rank :]
         takes_part = np.zeros(partition.column_scale.size, dtype=bool)
-        takes_part[passive] = (np.abs(idle) > _TAKES_PART).any(axis=0)
+        takes_part[passive] = (np.abs(idle) > _LEAST_PART).any(axis=0)
         way, rates = self._way(start.q, point.q, takes_part)
         seen = idle.dot((rates * partition.column_scale).take(passive, axis=0) / scale)
         return _Seen(
@@ -150,7 +150,7 @@ class _Seen:
         return factors.inverse(columns) if factors.rank == columns else None
 
 
-def _moved(problem: ClosureProblem, point: Closed, moves: Array) -> Closed:
+def _gone_by(problem: ClosureProblem, point: Closed, moves: Array) -> Closed:
     """Return the pose that moves (m_p,) of the passive joints lead to, without dimension."""
     partition = problem.partition
     v = np.zeros(partition.column_scale.size)
@@ -185,8 +185,8 @@ class _Alike:
 
     def way(self, start: Array, end: Array) -> tuple[Array, Array]:
         """Return the way from the start (nv, joints), and its rates (nv, nv, joints) at the end."""
-        way = between(_FLOATS, self, start[self.entries], end[self.entries])
+        way = between(_NUMBERS, self, start[self.entries], end[self.entries])
         count, joints = way.shape
         one_by_one = np.broadcast_to(np.eye(count)[:, :, None], (count, count, joints))
         each = np.broadcast_to(way[:, None], one_by_one.shape)
-        return way, arriving(_FLOATS, self, each, one_by_one)
+        return way, arriving(_NUMBERS, self, each, one_by_one)

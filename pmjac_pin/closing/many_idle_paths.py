@@ -17,7 +17,7 @@ from pmjac_pin.closing.idle_way import (
     SETTLED,
     TURNED,
     UNRESOLVED,
-    pieces_of,
+    parts_of,
 )
 from pmjac_pin.closing.many_paths import Paths
 from pmjac_pin.model.coordinates import JointCoordinates
@@ -102,7 +102,7 @@ class ManyIdlePaths:
         partition = self.problem.partition
         distance = np.linalg.norm(displacement / partition.motor_scale, axis=1) / partition.length
         distance[distance > MOST_STEPS * LARGEST_STEP] = 0.0
-        return pieces_of(distance)
+        return parts_of(distance)
 
     def _return(self, start: Array, end: Array, arrived: Mask) -> Mask:
         """Bring back closed poses (b, nq) that are at the ends of paths, as `IdleWay.settled` does.

@@ -13,7 +13,7 @@ from pmjac_pin.model.coordinates import LIMIT_SLACK, JointCoordinates
 from pmjac_pin.model.spec import MechanismSpec
 from pmjac_pin.values.arrays import Array, Mask
 from pmjac_pin.values.checks import LARGEST, as_numbers, real_numbers, seen_rows, within
-from pmjac_pin.values.columns import columns_of, without_labels
+from pmjac_pin.values.columns import check_stated_unit, columns_of, without_labels
 from pmjac_pin.values.named_values import named_values
 
 MotorValues: TypeAlias = ArrayLike | Mapping[str, float]
@@ -70,7 +70,7 @@ class Motors:
         Raises
         ------
         UnknownNameError, ArgumentError
-            As `motor_values`; columns of unlike lengths.
+            As `motor_values`; columns of unlike lengths, or that state another unit than m or rad.
         """
         if (columns := columns_of(given)) is not None:
             return self._by_columns(columns)
@@ -82,6 +82,10 @@ class Motors:
 
     def _by_columns(self, columns: dict[Any, Any]) -> Array:
         _check_motor_names(self._names, self._coordinates, columns)
+        for name, turns in zip(
+            self._names, self._coordinates.rotational[self._columns], strict=True
+        ):
+            check_stated_unit(columns[name], f"motor values: {name!r}", "rad" if turns else "m")
         ordered = [
             real_numbers(without_labels(columns[name]), f"values of motor {name!r}")
             for name in self._names

@@ -51,7 +51,7 @@ def return_tape(loops: RecordedRates, idle: Tape) -> Tape:
         motions, _ = idle_motions(matrix, loops.idle)
         at_start = motions.copy()
         at_start[_changing(motions)] = given
-        back, inverse = _back(loops, (start, q), on_loops, motions, at_start)
+        back, inverse = _way_back(loops, (start, q), on_loops, motions, at_start)
         # ‖N G⁻¹ N₀ᵀ‖² by small products.
         squares = inverse @ (at_start.T @ at_start) @ inverse.T
         turned = np.trace((motions.T @ motions) @ squares)
@@ -69,7 +69,7 @@ def _changing(motions: Numbers) -> Mask:
     return np.array([isinstance(x, Term) for x in motions.ravel()]).reshape(motions.shape)
 
 
-def _back(
+def _way_back(
     loops: RecordedRates,
     poses: tuple[Numbers, Numbers],
     on_loops: Numbers,

@@ -87,6 +87,7 @@ class JointCoordinates:
         self.angles = np.zeros(model.nv, dtype=bool)
         self._entries_of = np.zeros(model.nv, dtype=np.intp)
         self._translating = [joint for joint in joints if joint.translation]
+        least, most = model.lowerPositionLimit.tolist(), model.upperPositionLimit.tolist()
         for joint in joints:
             self.wraps[joint.idx_v] = (joint.nq, joint.nv) == (2, 1)
             own = slice(joint.idx_v, joint.idx_v + joint.nv)
@@ -94,8 +95,7 @@ class JointCoordinates:
             self.curved[own] = joint.nv > 1 and joint.nq != joint.nv
             if joint.nq == 1:
                 self.angles[joint.idx_v] = joint.kind is not None and joint.kind.endless
-                lower = float(model.lowerPositionLimit[joint.idx_q])
-                upper = float(model.upperPositionLimit[joint.idx_q])
+                lower, upper = least[joint.idx_q], most[joint.idx_q]
                 # Pinocchio writes the largest double where there is no limit.
                 self.lower[joint.idx_v] = lower if lower > -LARGEST else -np.inf
                 self.upper[joint.idx_v] = upper if upper < LARGEST else np.inf

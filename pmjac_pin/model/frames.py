@@ -80,10 +80,10 @@ def moving_columns(model: pin.Model, frames: Sequence[Frame]) -> list[NDArray[np
     """Return the columns that move each of two frames, but not the other with it."""
     supports = [set(model.supports[frame.joint]) - {0} for frame in frames]
     own = [sorted(mine - theirs) for mine, theirs in zip(supports, supports[::-1], strict=True)]
-    columns = [[(model.joints[k].idx_v, model.joints[k].nv) for k in joints] for joints in own]
+    starts, counts = model.idx_vs, model.nvs
     return [
-        np.array([start + k for start, count in pairs for k in range(count)], dtype=np.intp)
-        for pairs in columns
+        np.array([starts[joint] + k for joint in joints for k in range(counts[joint])], np.intp)
+        for joints in own
     ]
 
 

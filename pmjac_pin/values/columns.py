@@ -155,13 +155,18 @@ def _columns_of_numbers(
         if not isinstance(name, str) or values.ndim != 1 or not values.size:
             wanted = f"`{what}`: a list of values for {quoted(name)} expected"
             raise ArgumentError(f"{wanted}, got shape {values.shape}")
-        _check_stated_unit(given, f"`{what}`: {name!r}", units.get(name))
+        check_stated_unit(given, f"`{what}`: {name!r}", units.get(name))
         found[name] = values
     return found
 
 
-def _check_stated_unit(column: Any, what: str, wanted: str | None) -> None:
-    """Raise ArgumentError where a column's attributes state another unit than ours."""
+def check_stated_unit(column: Any, what: str, wanted: str | None) -> None:
+    """Raise ArgumentError where a column states another unit than ours, in its attributes.
+
+    Examples
+    --------
+    >>> check_stated_unit([0.1, 0.2], "'theta1'", "rad")
+    """
     attributes = getattr(column, "attrs", None)
     if wanted is None or not isinstance(attributes, Mapping):
         return

@@ -9,10 +9,10 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Collection, Iterable, Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from types import MappingProxyType
-from typing import NamedTuple, Self
+from typing import TYPE_CHECKING, Any, NamedTuple, Self
 from xml.etree.ElementTree import Element, SubElement, tostring
 
 from pmjac_pin.errors import ModelFileError, unknown_name
@@ -22,6 +22,7 @@ from pmjac_pin.files.urdf.joint_tree import UrdfJoint, joints_of
 from pmjac_pin.files.urdf.vocabulary import URDF_WORDS
 from pmjac_pin.files.xml_text import label, numbers, only, parse_xml, written
 from pmjac_pin.model.parameter import Move
+from pmjac_pin.values.sealed_pickle import sealed_pickle, unsealed
 
 __all__ = ["Urdf", "UrdfJoint", "parse_urdf"]
 
@@ -102,6 +103,21 @@ class Urdf:
 
     def __hash__(self) -> int:
         return hash((self.path, self.text))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        sealed = self.__dict__.get("_sealed") or sealed_pickle(
+            {field.name: getattr(self, field.name) for field in fields(self)}
+        )
+        return _unpickled_urdf, (type(self), sealed)
+
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any:
+            """Open one that was unpickled, when it is first looked at: most never are."""
+            if "_sealed" not in self.__dict__ or name not in self.__dataclass_fields__:
+                raise AttributeError(name, name=name, obj=self)
+            self.__dict__.update(unsealed(self.__dict__["_sealed"], "a URDF"))
+            return self.__dict__[name]
 
     def robot(self) -> Element:
         """Return the whole XML as elements: a copy, to change as you like."""
@@ -236,6 +252,12 @@ def parse_urdf(text: str, path: str) -> Urdf:
         robot = parse_xml(text)
         unread = URDF_WORDS.unread(robot)
     return Urdf.of(robot, path, unread)
+
+
+def _unpickled_urdf(kind: type[Urdf], sealed: bytes) -> Urdf:
+    urdf = object.__new__(kind)
+    urdf.__dict__["_sealed"] = sealed
+    return urdf
 
 
 def _what_moves_name(robot: Element) -> dict[tuple[str, str], list[Element]]:

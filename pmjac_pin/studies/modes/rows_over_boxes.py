@@ -79,11 +79,11 @@ def rows_over_boxes(mechanism: Mechanism) -> RowsOverBoxes:
         passive joints that the motors leave free.
     """
     if mechanism not in _KNOWN:
-        _KNOWN[mechanism] = _written(mechanism)
+        _KNOWN[mechanism] = _of_mechanism(mechanism)
     return _KNOWN[mechanism]
 
 
-def _written(mechanism: Mechanism) -> RowsOverBoxes:
+def _of_mechanism(mechanism: Mechanism) -> RowsOverBoxes:
     model, partition = mechanism.kinematics.model, mechanism.problem.partition
     edges, motors = edges_of(model), mechanism.spec.actuated
     if partition.isolated:
