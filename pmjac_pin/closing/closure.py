@@ -29,7 +29,8 @@ LARGEST_STEP = 0.25  # motion in one step, a rad counted as one length
 SMALLEST_STEP = 1e-9  # motion in one step that is not the last: less is not resolved
 LARGEST_CORRECTION = 0.25  # first Newton correction, as a share of the predicted motion
 SLOWEST_CONTRACTION = 0.25  # of one Newton correction by the next
-HARDLY_ANYTHING = 1e-4  # left of the motors' path, where it may end in a singular target
+HARDLY_ANYTHING = 1e-4  # left of the motors' path, where a last step may reach a singular target
+_NOTHING = 1e-5  # left of it, where such a target is reached as it is
 _BESIDE_A_FOLD = (
     1e-5  # lengths or rad: both modes that meet at a fold are as near when the gap is 1e-12
 )
@@ -138,12 +139,11 @@ def _arrived(
 ) -> Followed:
     """Return the target itself, when it is singular and the path ended right beside it."""
     partition, left = problem.partition, (1.0 - ended.share) * displacement
-    if ended.share == 1.0 or (
-        norm(left / partition.motor_scale) > HARDLY_ANYTHING * partition.length
-    ):
+    far = norm(left / partition.motor_scale)
+    if ended.share == 1.0 or far > HARDLY_ANYTHING * partition.length:
         return ended
     point = _covered_target(problem, guard, ended.point, left, target)
-    if point is None:
+    if point is None and far <= _NOTHING * partition.length:
         point = beside(problem, ended.point.q, target(ended.point.q))
     if point is None or not is_singular(point, partition):
         return ended
