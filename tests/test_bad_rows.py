@@ -127,3 +127,15 @@ def test_in_pieces_the_start_of_all_stays_the_start_of_all(rng):
     equal_at(found, expected, ~bad)
     nothing_at(found, bad, pj.Status.INVALID)
     nothing_at(many.close(np.full((5, 3), np.nan)), np.arange(5), pj.Status.INVALID)
+
+
+def test_rows_with_names_are_not_taken_by_their_order():
+    import pandas as pd
+
+    many = pj.batch(loaded("three_rps"))
+    table = pd.DataFrame({"l3": [1.05], "l1": [0.95], "l2": [1.0]})
+    expected = many.close(table)
+    np.testing.assert_allclose(expected.joint("l1"), 0.95)
+    for rows in ([row for _, row in table.iterrows()], list(table.itertuples(index=False))):
+        with pytest.raises(pj.ArgumentError, match="rows with names"):
+            many.close(rows)

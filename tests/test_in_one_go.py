@@ -80,3 +80,15 @@ def test_an_interrupt_keeps_both(rng):
     equal_there = many.measures(poses.q[done])
     np.testing.assert_array_equal(found.J_eq[done], equal_there.J_eq)
     assert np.isnan(found.smallest[~done]).all()
+
+
+def test_a_refused_pair_stays_what_it_is(rng):
+    """The first of it is of another machine, and the second cannot be filled."""
+    one, other = pj.batch(machine("four_bar")), pj.batch(machine("slider_crank"))
+    poses, _ = one.ellipsoids_at(targets(one.mechanism, 9, 0.1, rng))
+    values = targets(other.mechanism, 9, 0.1, rng)
+    _, measures = other.measures_at(values)
+    before = poses.joint("phi1").copy()
+    with pytest.raises(pj.ArgumentError, match="`out`"):
+        other.ellipsoids_at(values, out=(poses, measures))
+    np.testing.assert_array_equal(poses.joint("phi1"), before)

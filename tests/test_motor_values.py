@@ -230,3 +230,22 @@ def test_motors_know_their_values_as_the_coordinates_do(name, rng):
             assert not np.shares_memory(within, values)
     for other in (q.tolist(), values[:0], values.astype(np.float32), np.full(columns.size, np.nan)):
         assert motors.within_limits(other) is None
+
+
+def test_stated_units_are_ours_however_values_are_given():
+    xarray = pytest.importorskip("xarray")
+    mechanism = loaded("three_rps")
+    many, names = pj.batch(mechanism), list(mechanism.actuated)
+    row = xarray.DataArray([1000.0] * 3, {"motor": names}, "motor", attrs={"units": "mm"})
+    table = row.expand_dims(sample=2)
+    table.attrs["Units"] = table.attrs.pop("units", "mm")
+    for given in (row, {name: row.sel(motor=name) for name in names}):
+        with pytest.raises(pj.ArgumentError, match="mm"):
+            mechanism.close(given)
+    with pytest.raises(pj.ArgumentError, match="mm"):
+        many.close(table)
+    row.attrs["units"] = "m"
+    expected = mechanism.close([1.0] * 3)
+    np.testing.assert_array_equal(mechanism.close(row / 1000.0).q, expected.q)
+    kept = (row / 1000.0).assign_attrs(units="m")
+    np.testing.assert_array_equal(mechanism.close(kept).q, expected.q)

@@ -31,10 +31,11 @@ def in_memory_left(array: NDArray[Any]) -> NDArray[Any]:
     memory = (_taken(size) or _mapped(size)) if size else None
     if memory is None:
         return array
-    # Of a view of a view NumPy keeps the last array alone: behind this one there is none.
-    found: NDArray[Any] = np.ndarray(array.shape, array.dtype, buffer=memoryview(memory))
-    finalize(found, _leave_to_next, memory).atexit = False
-    return found
+    # Of a view of a view NumPy keeps the last array alone: behind this one there is none, and its
+    # buffer keeps the memory from being closed.
+    flat: NDArray[Any] = np.frombuffer(memory, array.dtype)
+    finalize(flat, _leave_to_next, memory).atexit = False
+    return flat.reshape(array.shape)
 
 
 def _taken(size: int) -> mmap.mmap | None:

@@ -10,6 +10,7 @@ import os
 from _thread import start_new_thread
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from itertools import pairwise, repeat
 from threading import Event
@@ -121,9 +122,12 @@ class Wanted(Generic[Results]):
             arrays = empty_arrays(self._shapes)
             shown = {name: sealed(array) for name, array in arrays.items()}
             return self._kind(**shown, **self._more), arrays
-        arrays = memory_of(self._out, self._kind, self._shapes, given)
-        self._out.__post_init__(**self._more)
-        return self._out, arrays
+        return self._out, memory_of(self._out, self._kind, self._shapes, given)
+
+    def renew(self) -> None:
+        """Let results that are filled again say what they are made with now."""
+        if self._out is not None:
+            self._out.__post_init__(**self._more)
 
 
 def gathered(wanted: Wanted[Results], work: PieceWork, how: Manner) -> Results:
@@ -155,6 +159,8 @@ def gathered_together(
     try:
         for one in wanted:
             taken.append(one.taken(how.given))
+        for one in wanted:  # none of them was refused
+            one.renew()
         results = tuple(result for result, _ in taken)
         filling = _Filling([array for _, arrays in taken for array in arrays.values()], work)
         try:
@@ -220,8 +226,7 @@ class _Filling:
         except BaseException:
             self._waiting.clear()
             self.given_up = True
-            # Each to its next step: nothing is written any more.
-            _wait_for(at_rest[: len(helpers)])
+            _wait_whatever_happens(at_rest[: len(helpers)])
             raise
         for at in sorted(self._failed)[:1]:
             raise self._failed[at]
@@ -279,6 +284,18 @@ def _wait_for(at_rest: Sequence[Event]) -> None:
     for event in at_rest:
         while not event.wait(_HEARING):
             pass
+
+
+def _wait_whatever_happens(at_rest: Sequence[Event]) -> None:
+    """Wait for threads that go to their next step, however often somebody interrupts.
+
+    What they still write to is given to others then.
+    """
+    waiting = True
+    while waiting:
+        with suppress(KeyboardInterrupt):
+            _wait_for(at_rest)
+            waiting = False
 
 
 def interrupted(what: str, done: object) -> Interrupted:

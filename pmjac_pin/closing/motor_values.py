@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -73,7 +73,11 @@ class Motors:
             As `motor_values`; columns of unlike lengths, or that state another unit than m or rad.
         """
         if (columns := columns_of(given)) is not None:
+            _check_motor_names(self._names, self._coordinates, columns)
+            _check_units(self._names, self._coordinates.rotational[self._columns], columns, given)
             return self._by_columns(columns)
+        if type(given) in (list, tuple):
+            _refuse_named_rows(given)
         values = seen_rows(given, "motor values")
         if values.ndim != 2 or values.shape[1] != len(self._names):
             wanted = f"(N, {len(self._names)}) for {', '.join(self._names)}"
@@ -81,11 +85,6 @@ class Motors:
         return values
 
     def _by_columns(self, columns: dict[Any, Any]) -> Array:
-        _check_motor_names(self._names, self._coordinates, columns)
-        for name, turns in zip(
-            self._names, self._coordinates.rotational[self._columns], strict=True
-        ):
-            check_stated_unit(columns[name], f"motor values: {name!r}", "rad" if turns else "m")
         ordered = [
             real_numbers(without_labels(columns[name]), f"values of motor {name!r}")
             for name in self._names
@@ -148,6 +147,9 @@ def motor_values(spec: MechanismSpec, coordinates: JointCoordinates, actuated: A
     """
     names = coordinates.dof_names(spec.actuated)
     if (by_name := named_values(actuated, "motor values")) is not None:
+        _check_units(
+            names, coordinates.rotational[coordinates.columns(spec.actuated)], by_name, actuated
+        )
         return _in_order(names, coordinates, _by_freedom(spec, coordinates, by_name))
     return _listed(names, actuated, "motor value")
 
@@ -182,6 +184,25 @@ def _listed(names: tuple[str, ...], given: Any, what: str) -> Array:
         wanted = f"{len(names)} {what}{plural} ({', '.join(names)})"
         raise ArgumentError(f"{wanted} expected, got {got}")
     return values
+
+
+def _check_units(
+    names: Sequence[str], turning: Mask, by_name: Mapping[Any, Any], given: Any
+) -> None:
+    """Raise ArgumentError where values, or all of them, state another unit than m or rad."""
+    for name, turns in zip(names, turning, strict=True):
+        unit = "rad" if turns else "m"
+        check_stated_unit(by_name.get(name), f"motor values: {name!r}", unit)
+        if not isinstance(given, Mapping):
+            check_stated_unit(given, "motor values", unit)
+
+
+def _refuse_named_rows(rows: Sequence[Any]) -> None:
+    """Raise ArgumentError where rows have names, which must not be taken by their order."""
+    for row in {type(row): row for row in rows}.values():
+        if named_values(row, "motor values") is not None:
+            right = "give all rows as one table, or plain rows in the motors' order"
+            raise ArgumentError(f"motor values in rows with names of their own: {right}")
 
 
 def _check_motor_names(

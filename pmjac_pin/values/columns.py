@@ -83,7 +83,7 @@ def named_samples(given: object, what: str, units: Mapping[str, str]) -> dict[st
             right = "samples lie along one dimension; axes of their own make a grid"
             raise ArgumentError(f"`{what}`: {right}: got {got}")
     elif (table := columns_of(given)) is not None:
-        columns = table | _row_labels(given, units)
+        columns = _row_labels(given, units) | table
     else:
         columns = _of_mapping(given, what)
     return _columns_of_numbers(columns, what, units)
@@ -170,8 +170,9 @@ def check_stated_unit(column: Any, what: str, wanted: str | None) -> None:
     attributes = getattr(column, "attrs", None)
     if wanted is None or not isinstance(attributes, Mapping):
         return
-    for key in ("units", "unit"):
-        stated = attributes.get(key)
+    for key, stated in attributes.items():
+        if str(key).lower() not in ("units", "unit"):
+            continue
         if stated is not None and str(stated).strip() not in ("", *_SPELLINGS[wanted]):
             right = f"values in {wanted} are wanted, and {key} {wanted!r} or none"
             raise ArgumentError(f"{what} has the {key} {quoted(stated)}: {right}")
