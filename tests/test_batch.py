@@ -372,3 +372,17 @@ def test_joints_of_many_poses_go_by_their_names(name, rng):
             np.testing.assert_allclose(value, alone, rtol=0, atol=1e-12)
     with pytest.raises(pj.UnknownNameError, match="joint"):
         poses.joint("nobody")
+
+
+def test_what_is_learnt_of_one_guess_is_not_taken_for_another(rng):
+    """Guesses on two assembly modes, in turn, by one batch."""
+    mechanism = loaded("five_bar")
+    many, home = pj.batch(mechanism), mechanism.home
+    modes = pj.assembly_modes(mechanism, home.actuated)
+    other = max(modes, key=lambda mode: np.abs(mode.q - home.q).max())
+    values = targets(mechanism, 5, 0.05, rng)
+    for guess in (home, other, home, other):
+        found = many.close(values, guess=guess)
+        expected = [mechanism.close(one, guess=guess).q for one in values]
+        np.testing.assert_allclose(found.q, expected, atol=1e-10)
+    assert np.abs(other.q - home.q).max() > 0.1

@@ -59,6 +59,15 @@ IDLING = {
     "platform, five motors": lambda: fewer_motors("stewart_gough", 5),
     "ankle, one motor": lambda: fewer_motors("ankle", 1),
 }
+#: Whose paths end where they go farther.
+NEARER = {
+    "six legs": (0.01, 0.05),
+    "tripod": (0.01, 0.2),
+    "platform, five motors": (0.01, 0.2),
+    "3-RRR, two motors": (0.01, 0.6),
+    "flap": (0.01, 0.6),
+    "four-bar in a leg": (0.01, 0.6),
+}
 QUICK = ("rssr", "rod and disc", "puck", "five-bar, one motor", "five_bar")
 
 
@@ -70,7 +79,7 @@ def machine(name):
 
 def cases():
     for name in [*IDLING, *CATALOGUE, *(f"random {seed}" for seed in range(5))]:
-        for share in (0.01, 0.6, 3.0) if name in IDLING else (0.6,):
+        for share in NEARER.get(name, (0.01, 0.6, 3.0)) if name in IDLING else (0.6,):
             quick = name in QUICK and share in (0.01, 0.6)
             yield pytest.param(name, share, marks=[] if quick else [pytest.mark.slow])
 
@@ -103,7 +112,7 @@ def batches(name, share):
     by_numpy = pj.batch(machine(name))
     by_numpy._closing = replace(by_numpy._closing, lanes=None)
     yield by_numpy
-    compiled = name == "tripod" or (name, share) == ("rssr", 0.6)
+    compiled = (name, share) in (("tripod", 0.2), ("rssr", 0.6))
     if compiled and shutil.which("cc") and many_paths_kernel() is not None:
         yield pj.batch(machine(name), compiled=True)
 
@@ -122,6 +131,7 @@ def test_all_ways_lead_to_one_pose(name, share, rng, tmp_path, monkeypatch):
         others.append((poses.q, poses.share))
     for found, how_far in others:
         np.testing.assert_array_equal(how_far == 1.0, arrived)
+        assert np.count_nonzero(arrived) > 2 or name not in IDLING
         assert apart(mechanism, found[arrived], q[arrived]) < SAME
 
 

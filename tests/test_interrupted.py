@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import _thread
 import pickle
 import signal
 import subprocess
 import sys
 import threading
+import time
 from dataclasses import fields
 
 import numpy as np
@@ -239,3 +241,29 @@ def test_two_threads_that_are_as_fast_end_together(count):
         assert ends[0] < ends[1] or max(ends) == 0
         ends[0] += piece.stop - piece.start
     assert count <= PIECE or max(ends) <= 0.51 * count
+
+
+def test_a_second_interrupt_waits_for_what_is_still_written():
+    """Else another call's numbers would be written over by this one's, later."""
+    count, caller = 3 * PIECE, threading.get_ident()
+    begun, end = threading.Event(), threading.Event()
+
+    def work(piece, J_eq, status):
+        if threading.get_ident() == caller:
+            assert begun.wait(30.0)
+            for after in (0.1, 0.4):
+                threading.Timer(after, _thread.interrupt_main).start()
+            threading.Timer(0.8, end.set).start()
+            while True:
+                piece.go_on()
+                time.sleep(0.01)
+        begun.set()
+        assert end.wait(30.0)  # as one long path that is walked by a single call
+        J_eq[:], status[:] = 1.0, 0
+
+    with pytest.raises(pj.Interrupted) as raised:
+        gathered(wanted(count), work, Manner(2))
+    assert end.is_set()
+    known = raised.value.done.status == pj.Status.CLOSED
+    assert (raised.value.done.J_eq[known] == 1.0).all()
+    assert np.isnan(raised.value.done.J_eq[~known]).all()

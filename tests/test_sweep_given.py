@@ -125,3 +125,19 @@ def test_angles_in_degrees_are_refused():
             call()
     right = xarray.Dataset({"theta1": ("theta1", np.deg2rad([50.0, 60.0]), {"units": "radian"})})
     assert pj.sweep(mechanism, right, workers=1).sizes["theta1"] == 2
+
+
+def test_units_of_a_labelled_table_and_a_column_beside_its_index():
+    table = xarray.DataArray(
+        [[125.3, 54.7]],
+        {"motor": ["theta1", "theta2"]},
+        ("sample", "motor"),
+        attrs={"units": "deg"},
+    )
+    with pytest.raises(pj.ArgumentError, match="deg"):
+        pj.sweep("five_bar", samples=table, measures=["share"], workers=1)
+    frame = pandas.DataFrame({"l1": [0.9, 1.0], "l2": 1.0, "l3": 1.0}).set_index("l1", drop=False)
+    frame["l1"] *= 1.02
+    found = pj.sweep("three_rps", samples=frame, measures=["q"], workers=1)
+    expected = pj.batch(pj.load("three_rps")).close(frame).q
+    np.testing.assert_allclose(found.q, expected, atol=1e-12)

@@ -7,6 +7,7 @@ told that it may have it where memory runs short: then its pages come anew as we
 
 from __future__ import annotations
 
+import math
 import mmap
 import sys
 from collections import deque
@@ -15,27 +16,29 @@ from typing import Any
 from weakref import finalize
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import DTypeLike, NDArray
 
 LARGE = 1 << 25  # bytes: the C library keeps less for the next one itself
+_MOST = 1 << 32  # bytes that are kept for others
 _LEFT: deque[mmap.mmap] = deque(maxlen=24)  # arrays: those of some results
 
 
-def in_memory_left(array: NDArray[Any]) -> NDArray[Any]:
+def in_memory_left(shape: tuple[int, ...], kind: DTypeLike) -> NDArray[Any]:
     """Return an array like an empty one, in memory that one of the same size has left, if any.
 
-    Its own goes to another when it ends. Every view of it, and what else shows its memory, keeps
-    it: so nothing that somebody sees is given away.
+    Its own goes to another when it ends. Every view of it keeps it: so nothing that somebody sees
+    is given away.
     """
-    size = array.nbytes
+    size = math.prod(shape) * np.dtype(kind).itemsize
     memory = (_taken(size) or _mapped(size)) if size else None
     if memory is None:
-        return array
+        _LEFT.clear()
+        return np.empty(shape, kind)
     # Of a view of a view NumPy keeps the last array alone: behind this one there is none, and its
     # buffer keeps the memory from being closed.
-    flat: NDArray[Any] = np.frombuffer(memory, array.dtype)
+    flat: NDArray[Any] = np.frombuffer(memory, kind)
     finalize(flat, _leave_to_next, memory).atexit = False
-    return flat.reshape(array.shape)
+    return flat.reshape(shape)
 
 
 def _taken(size: int) -> mmap.mmap | None:
@@ -63,6 +66,8 @@ def _mapped(size: int) -> mmap.mmap | None:
 
 def _leave_to_next(memory: mmap.mmap) -> None:
     # Whenever an array ends, maybe within `_taken`: no lock, but one operation that is whole.
+    if sum(map(len, tuple(_LEFT))) + len(memory) > _MOST:
+        return
     with suppress(OSError):
         memory.madvise(mmap.MADV_FREE)
         _LEFT.append(memory)

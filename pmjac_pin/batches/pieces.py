@@ -230,6 +230,8 @@ class _Filling:
             raise
         for at in sorted(self._failed)[:1]:
             raise self._failed[at]
+        if self._left:
+            raise RuntimeError(f"a thread has ended before {len(self._left)} of its pieces")
 
     def blank(self) -> int:
         """Say of the pieces that are left that they are not done; return how many poses are."""

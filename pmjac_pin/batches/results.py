@@ -243,13 +243,10 @@ def shapes_of(kind: type[ManyJacobians], count: int, motors: int) -> Mapping[str
 
 def empty_arrays(shapes: Mapping[str, tuple[int, ...]]) -> dict[str, NDArray[Any]]:
     """Return arrays of results that are to be filled: statuses, and numbers."""
-    arrays: dict[str, NDArray[Any]] = {
-        name: np.empty(shape, dtype=np.int8 if name == "status" else np.float64)
-        for name, shape in shapes.items()
-    }
-    if sum(array.nbytes for array in arrays.values()) < LARGE:
-        return arrays
-    return {name: in_memory_left(array) for name, array in arrays.items()}
+    kinds = {name: np.int8 if name == "status" else np.float64 for name in shapes}
+    size = sum(math.prod(shape) * np.dtype(kinds[name]).itemsize for name, shape in shapes.items())
+    empty = np.empty if size < LARGE else in_memory_left
+    return {name: empty(shape, kinds[name]) for name, shape in shapes.items()}
 
 
 def say_nothing(found: Sequence[NDArray[Any]], which: Any, status: Status | Statuses) -> None:

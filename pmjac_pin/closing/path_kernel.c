@@ -76,8 +76,8 @@ void pmjac_begin(Walk *walk)
     }
 }
 
-/* Up to which lane they have a path to go on with. */
-static int64_t set_all_out(Walk *walk)
+/* Set out with all that goes on, and say up to which lane that is. */
+static void set_all_out(Walk *walk)
 {
     int living = 0;
     int64_t busy = 0;
@@ -91,7 +91,7 @@ static int64_t set_all_out(Walk *walk)
         take_up(walk, at);
         if (walk->lanes[at].state != IDLE) busy = at + 1;
     }
-    return walk->busy = busy;
+    walk->busy = busy;
 }
 
 static void set_motors(const Machine *machine, const double *target, Row *q, int lane)
@@ -250,9 +250,9 @@ static void step(Walk *walk)
 /* Walks on, up to so many steps of each lane; 1 where more of them lead further. */
 int pmjac_walk(Walk *walk, int64_t steps)
 {
-    for (; steps; steps--) {
+    for (; walk->busy && steps; steps--) {
         step(walk);
-        if (!set_all_out(walk)) return 0;
+        set_all_out(walk);
     }
-    return 1;
+    return walk->busy > 0;
 }

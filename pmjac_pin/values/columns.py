@@ -83,6 +83,8 @@ def named_samples(given: object, what: str, units: Mapping[str, str]) -> dict[st
             right = "samples lie along one dimension; axes of their own make a grid"
             raise ArgumentError(f"`{what}`: {right}: got {got}")
     elif (table := columns_of(given)) is not None:
+        for name in table if hasattr(given, "dims") else ():  # an array that labels its columns
+            check_stated_unit(given, f"`{what}`: {name!r}", units.get(name))
         columns = _row_labels(given, units) | table
     else:
         columns = _of_mapping(given, what)

@@ -88,7 +88,7 @@ def _of_mechanism(mechanism: Mechanism) -> RowsOverBoxes:
     edges, motors = edges_of(model), mechanism.spec.actuated
     if partition.isolated:
         raise NoBoxesError("no pose near home closes: what joints can do in general is not known")
-    if partition.passive_rank < partition.passive.size:
+    if partition.idles:
         where = "at every pose" if partition.full else "at home and all poses near it"
         raise NoBoxesError(f"passive joints can move with all motors locked, {where}")
     if not partition.passive.size:

@@ -80,7 +80,7 @@ def bounds_of(program: NewtonProgram, sheet: Sheet) -> SheetBounds:
         np.full((count, n), np.inf),
     )
     partition = program.rates.partition
-    if partition.passive_rank < partition.passive.size:
+    if partition.idles:
         return SheetBounds(*nothing, failed="joints are left free by those that drive")
     try:
         equations = SheetEquations(program.mechanism, sheet)
