@@ -61,8 +61,9 @@ def sweep(
         ``DataFrame``, of NumPy's records or of an xarray ``Dataset`` along one dimension.
     measures : iterable of str or (str, callable), or mapping of str to callable
         Variables of the result beside `status`: "share" and "q" as of `ManyClosed`, "J_eq",
-        "Jv_eq", "Jw_eq", "velocity_radii", "velocity_rank", "velocity_volume" and the same of
-        "angular_...", "smallest", "condition", "position" and "rotation" as of `ManyMeasures`.
+        "Jv_eq", "Jw_eq", "velocity_radii", "velocity_rank", "velocity_volume", "angular_radii",
+        "angular_rank", "angular_volume", "smallest", "condition", "position" and "rotation" as of
+        `ManyMeasures`.
         And functions (`ManyClosed`, `ManyMeasures`) ↦ array_like, shape (N, ...), by a name: they
         are given N poses whose status is CLOSED, as `Batch.measures_at` returns them, and say of
         each what does not depend on the others; elsewhere is NaN.
