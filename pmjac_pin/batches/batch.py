@@ -349,9 +349,8 @@ class Batch:
         True
         """
         self.mechanism.need_tool()
-        paths = self._paths(actuated, guess, enforce_limits)
-        work, how = self._at_poses.ellipsoids(), (threads, progress)
-        return self._gathered_at(ManyEllipsoids, work, paths, how, out)
+        paths, how = self._paths(actuated, guess, enforce_limits), (threads, progress)
+        return self._gathered_at(ManyEllipsoids, self._at_poses.ellipsoids(), paths, how, out)
 
     def measures_at(
         self,
@@ -386,9 +385,8 @@ class Batch:
         True
         """
         self.mechanism.need_tool()
-        paths = self._paths(actuated, guess, enforce_limits)
-        work, how = self._at_poses.measures(), (threads, progress)
-        return self._gathered_at(ManyMeasures, work, paths, how, out)
+        paths, how = self._paths(actuated, guess, enforce_limits), (threads, progress)
+        return self._gathered_at(ManyMeasures, self._at_poses.measures(), paths, how, out)
 
     def _gathered(
         self,
