@@ -235,6 +235,38 @@ def test_a_singular_target_is_reached():
     assert reached.actuated[0] == 0.0
 
 
+def keeps_the_sign(mechanism, displacement):
+    """Tell whether the determinant of K*, which is square, is of one sign at both ends of a path.
+
+    True where the path ends, or leads to a singular pose.
+    """
+    partition, home = mechanism.problem.partition, mechanism.home
+    try:
+        pose = mechanism.close(home.actuated + displacement, enforce_limits=False)
+    except pj.ClosureError:
+        return True
+    scaled = [partition.scaled(mechanism.problem.evaluate(q)[1]) for q in (home.q, pose.q)]
+    first, last = (np.linalg.slogdet(one[:, partition.passive])[0] for one in scaled)
+    return first == last or pose.singularity().is_singular
+
+
+@pytest.mark.parametrize("name", ["three_rps_ss", "three_rps", "ankle", "delta_rods"])
+def test_no_path_leads_to_where_the_determinant_has_another_sign(name, rng):
+    mechanism = loaded(name)
+    partition = mechanism.problem.partition
+    size = partition.length * partition.column_scale[partition.actuated]
+    ways = size * rng.uniform(-2.5, 2.5, (60, size.size))
+    assert all(keeps_the_sign(mechanism, way) for way in ways)
+
+
+def test_branches_that_nearly_meet_are_not_taken_for_each_other(rng):
+    """Two legs are hardly different, and so the modes on which the platform tilts either way."""
+    mechanism = loaded("three_rps_ss")
+    shares, aside = rng.uniform(0.15, 0.45, 60), 1e-3 * rng.normal(size=(60, 3))
+    ways = shares[:, None] * [2.4, -1.05, -1.05] + aside
+    assert all(keeps_the_sign(mechanism, way) for way in ways)
+
+
 def ladder(count):
     """Nested four-bars: the rocker of one is the crank of the next."""
     joints = [("t0", "revolute", "ground", "r0", (0, 0, 0), mechanisms.Z)]

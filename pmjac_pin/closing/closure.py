@@ -74,42 +74,66 @@ def follow(
         q ↦ q with the motors at their targets, exactly.
     """
     partition = problem.partition
-    distance = norm(displacement / partition.motor_scale)
-    if distance > MOST_STEPS * LARGEST_STEP * partition.length:
+    way = _Way(problem, guard, displacement, target)
+    if way.length() > MOST_STEPS * LARGEST_STEP * partition.length:
         return Followed(start, 0.0, 0, spent=True)
-    point, share, step, iterations = start, 0.0, 1.0, 0
-    regular = not is_singular(start, partition)
-    velocity = path_velocity(start, displacement, partition) if regular else np.zeros(0)
-    tries = 0
-    while regular and tries < MOST_STEPS:
-        tries += 1
-        pace = norm(velocity / partition.column_scale) / partition.length
-        if (stride := _stride(pace, step, 1.0 - share)) is None:
-            break
-        last = stride == 1.0 - share
-        tangent = velocity * stride
-        ahead = problem.integrate(point.q, tangent)
-        candidate = corrected(problem, target(ahead) if last else ahead, tangent, last)
-        step = 0.5 * stride
-        if candidate is None:
-            continue
-        # Where ends alone prove K* regular it is invertible: at a pose where it is not, its change
-        # from the start, which is regular, would not contract.
-        if last and guard.covers_straight(problem, point, candidate):
-            return Followed(candidate, 1.0, iterations + candidate.iterations)
-        if not is_invertible(candidate, partition):
-            continue
-        arriving = path_velocity(candidate, displacement, partition)
-        if not guard.covers(problem, point, candidate, tangent, arriving * stride):
-            continue
-        iterations += candidate.iterations
-        before, point, velocity = point, candidate, arriving
-        share = 1.0 if last else share + stride
-        if last or is_singular(point, partition) or sinks_away(before, point, partition):
-            break
-        step = 2.0 * stride
-    ended = Followed(point, share, iterations, spent=tries == MOST_STEPS)
-    return _arrived(problem, guard, ended, displacement, target)
+    if is_singular(start, partition):
+        return _arrived(way, Followed(start, 0.0, 0))
+    return _arrived(way, way.walked(start, ends_path))
+
+
+class _Way(NamedTuple):
+    """Where the motors are led to, and along which displacement (n,)."""
+
+    problem: ClosureProblem
+    guard: StepGuard
+    displacement: Array
+    target: Callable[[Array], Array]
+
+    def from_share(self, share: float) -> _Way:
+        """Return what is left of it."""
+        return self._replace(displacement=(1.0 - share) * self.displacement)
+
+    def length(self) -> float:
+        """Return how far it is, m or rad, a rad counted as one length."""
+        return norm(self.displacement / self.problem.partition.motor_scale)
+
+    def walked(self, start: Closed, ends: Callable[[Closed, Closed, Partition], bool]) -> Followed:
+        """Go by covered steps to the target, or to where steps end: asked from one to the next."""
+        partition, guard, problem = self.problem.partition, self.guard, self.problem
+        point, share, step, iterations = start, 0.0, 1.0, 0
+        velocity = path_velocity(start, self.displacement, partition)
+        for _ in range(MOST_STEPS):
+            pace = norm(velocity / partition.column_scale) / partition.length
+            if (stride := _stride(pace, step, 1.0 - share)) is None:
+                return Followed(point, share, iterations)
+            last, step = stride == 1.0 - share, 0.5 * stride
+            tangent = velocity * stride
+            ahead = problem.integrate(point.q, tangent)
+            candidate = corrected(problem, self.target(ahead) if last else ahead, tangent, last)
+            if candidate is None:
+                continue
+            # Where ends alone prove K* regular it is invertible: at a pose where it is not, its
+            # change from the start, which is regular, would not contract.
+            if last and guard.covers_straight(problem, point, candidate):
+                return Followed(candidate, 1.0, iterations + candidate.iterations)
+            if not is_invertible(candidate, partition):
+                continue
+            arriving = path_velocity(candidate, self.displacement, partition)
+            if not guard.covers(problem, point, candidate, tangent, arriving * stride):
+                continue
+            iterations += candidate.iterations
+            before, point, velocity = point, candidate, arriving
+            share = 1.0 if last else share + stride
+            if last or ends(before, point, partition):
+                return Followed(point, share, iterations)
+            step = 2.0 * stride
+        return Followed(point, share, iterations, spent=True)
+
+
+def ends_path(before: Closed, point: Closed, partition: Partition) -> bool:
+    """Tell whether a path ends at a pose: where K* is singular, or sinks away."""
+    return is_singular(point, partition) or _sinks_away(before, point, partition)
 
 
 def _stride(pace: float, step: float, left: float) -> float | None:
@@ -120,58 +144,47 @@ def _stride(pace: float, step: float, left: float) -> float | None:
     return None if step * pace < SMALLEST_STEP else step
 
 
-def sinks_away(before: Closed, point: Closed, partition: Partition) -> bool:
+def _sinks_away(before: Closed, point: Closed, partition: Partition) -> bool:
     """Tell whether K* has come nearer to losing its rank and is beyond its tolerance already."""
-    rank, least = partition.passive_rank, partition.rank_tolerance * partition.size
-    if not rank or point.factors.exceeds(rank, least):
+    if not _is_weak(point, partition):
         return False
     # In m: beside a crossing all of K* is small.
+    rank = partition.passive_rank
     weakest, earlier = (one.factors.singular_values[rank - 1] for one in (point, before))
     return bool(weakest < earlier)
 
 
-def _arrived(
-    problem: ClosureProblem,
-    guard: StepGuard,
-    ended: Followed,
-    displacement: Array,
-    target: Callable[[Array], Array],
-) -> Followed:
-    """Return the target itself, when it is singular and the path ended right beside it."""
-    partition, left = problem.partition, (1.0 - ended.share) * displacement
-    far = norm(left / partition.motor_scale)
-    if ended.share == 1.0 or far > HARDLY_ANYTHING * partition.length:
-        return ended
-    point = _covered_target(problem, guard, ended.point, left, target)
-    if point is None and far <= _NOTHING * partition.length:
-        point = beside(problem, ended.point.q, target(ended.point.q))
-    if point is None or not is_singular(point, partition):
-        return ended
-    return Followed(point, 1.0, ended.iterations + point.iterations)
+def _is_weak(point: Closed, partition: Partition) -> bool:
+    """Tell whether K* is below its generic rank beside the size that it has generically."""
+    rank, least = partition.passive_rank, partition.rank_tolerance * partition.size
+    return bool(rank) and not point.factors.exceeds(rank, least)
 
 
-def _covered_target(
-    problem: ClosureProblem,
-    guard: StepGuard,
-    point: Closed,
-    left: Array,
-    target: Callable[[Array], Array],
-) -> Closed | None:
-    """Return the target, where one step to it is covered from the singular pose that ended a path.
+def _arrived(way: _Way, ended: Followed) -> Followed:
+    """Return the target itself, when it is singular and the path ended right beside it.
 
     How long the steps were decides where a path ends within what counts as singular: so whether it
-    arrives is decided by what is proven of the rest of the way.
+    arrives is decided by what is proven of the rest of the way, to where K* has no inverse.
     """
-    partition = problem.partition
-    if not is_invertible(point, partition):
-        return None
-    leaving = path_velocity(point, left, partition)
-    ahead = target(problem.integrate(point.q, leaving))
-    found = corrected(problem, ahead, leaving, last=True)
-    if found is None or not is_invertible(found, partition):
-        return None
-    arriving = path_velocity(found, left, partition)
-    return found if guard.covers(problem, point, found, leaving, arriving) else None
+    problem, partition = way.problem, way.problem.partition
+    rest = way.from_share(ended.share)
+    if ended.share == 1.0 or rest.length() > HARDLY_ANYTHING * partition.length:
+        return ended
+    nearest, found = ended.point, None
+    if is_invertible(nearest, partition):
+        onward = rest.walked(nearest, _nowhere)
+        nearest, rest = onward.point, rest.from_share(onward.share)
+        found = nearest if onward.share == 1.0 else None
+    if found is None and rest.length() <= _NOTHING * partition.length:
+        found = beside(problem, nearest.q, way.target(nearest.q))
+    if found is None or not (is_singular(found, partition) or _is_weak(found, partition)):
+        return ended
+    return Followed(found, 1.0, ended.iterations + found.iterations)
+
+
+def _nowhere(before: Closed, point: Closed, partition: Partition) -> bool:
+    """Tell that a path ends at no pose, before steps do."""
+    return False
 
 
 def beside(problem: ClosureProblem, closed: Array, q: Array) -> Closed | None:

@@ -210,11 +210,13 @@ class StepGuard:
         for measured in changes:
             change += np.abs(measured)
         identity, ones = _unit_matrix(len(change))
-        if (gains := solved(identity - change, sizes)) is None:
-            return False
         open_by = step.open_by
         for _ in range(2):
-            tube = 2.0 * gains.dot(open_by)
+            # With the ones: only where I − N has an inverse without negative entries is it a bound.
+            bounds = solved(identity - change, np.array((sizes.dot(open_by), ones)).T)
+            if bounds is None or not _at_least_one(bounds[:, 1]):
+                return False
+            tube = 2.0 * bounds[:, 0]
             within = self._within(step, tube, mixed)
             # Along the way from p(s) by h its mean is half of it, unless motors stray, too.
             beyond = (0.5 if step.aside is None else 1.0) * within.dot(tube)
@@ -225,7 +227,7 @@ class StepGuard:
             return False
         change += sizes.dot(within)
         weights = solved(identity - MARGIN * change, ones)
-        return weights is not None and np.count_nonzero(weights >= 1.0) == weights.size
+        return weights is not None and _at_least_one(weights)
 
     def _within(self, step: _ScaledStep, tube: Array, mixed: Array | None) -> Array:
         """Return a bound on how K* changes in the tube, scaled, (p, m_p)."""
@@ -236,6 +238,14 @@ class StepGuard:
         bound = self._bends.within(step.motion, reach) * partition.scale
         bound = bound.take(partition.passive, axis=1)
         return bound if mixed is None else bound.dot(mixed)
+
+
+def _at_least_one(weights: Array) -> bool:
+    """Tell whether all x of (I − N) x = 1 are: only then are the eigenvalues of an N ≥ 0 below 1.
+
+    N x = x − 1 < x then (Collatz and Wielandt); and x = 1 + N 1 + N² 1 + … else has no sum.
+    """
+    return int(np.count_nonzero(weights >= 1.0)) == weights.size
 
 
 @cache

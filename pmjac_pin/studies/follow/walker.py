@@ -8,9 +8,9 @@ from typing import Literal
 from pmjac_pin.closing.closure import (
     LARGEST_STEP,
     SMALLEST_STEP,
+    ends_path,
     is_invertible,
     is_singular,
-    sinks_away,
 )
 from pmjac_pin.studies.follow.course import Course
 from pmjac_pin.studies.follow.motor_path import PathPiece
@@ -62,9 +62,7 @@ class CourseWalker:
                 return
             yield step
             partition = course.problem.partition
-            if is_singular(step.end.point, partition) or sinks_away(
-                step.start.point, step.end.point, partition
-            ):
+            if ends_path(step.start.point, step.end.point, partition):
                 self.halt = "singular"
                 return
         self.halt = "end"
