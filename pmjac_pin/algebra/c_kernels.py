@@ -10,6 +10,8 @@ from typing import Any
 from numpy.typing import NDArray
 
 _PMJAC_PIN = Path(__file__).parents[1]
+POINTER, COUNT = ctypes.c_void_p, ctypes.c_int64
+_address_of, _first_byte = ctypes.addressof, ctypes.c_char.from_buffer
 
 
 def loaded(built: str | Path, *sources: str | Path) -> ctypes.CDLL | None:
@@ -29,9 +31,9 @@ def loaded(built: str | Path, *sources: str | Path) -> ctypes.CDLL | None:
         return None
 
 
-def address(array: NDArray[Any]) -> ctypes.c_void_p:
-    """Return where an array's numbers are."""
+def address(array: NDArray[Any]) -> int:
+    """Return where an array's numbers are, for arguments that are said to be `POINTER`."""
     try:  # some times faster, where an array can be written to and is not empty
-        return ctypes.c_void_p(ctypes.addressof(ctypes.c_char.from_buffer(array.data)))
+        return _address_of(_first_byte(array))  # type: ignore[arg-type]
     except (TypeError, ValueError):
-        return ctypes.c_void_p(array.ctypes.data)
+        return array.ctypes.data

@@ -22,7 +22,7 @@ import numpy as np
 
 from pmjac_pin.algebra import compiled_text as text
 from pmjac_pin.algebra.c_compilers import NAMES, CCompiler, c_compilers, named_compiler
-from pmjac_pin.algebra.c_kernels import address
+from pmjac_pin.algebra.c_kernels import COUNT, POINTER, address
 from pmjac_pin.algebra.compiled_cache import cache_folder, keep, loaded_from, not_kept, whole
 from pmjac_pin.algebra.tape import Tape
 from pmjac_pin.errors import MissingDependencyError
@@ -49,11 +49,13 @@ class CompiledProgram:
     """
 
     def __init__(self, library: ctypes.CDLL, tape: Tape) -> None:
-        library.pmjac_kept.restype = library.pmjac_lanes.restype = ctypes.c_int64
+        library.pmjac_kept.restype = library.pmjac_lanes.restype = COUNT
+        rows = (POINTER, COUNT)
+        library.pmjac_run_rows.argtypes = (COUNT, COUNT, *rows, *rows, POINTER)
         self._library, self._tape = library, tape
         self._lanes = int(library.pmjac_lanes())
         self.kept = int(library.pmjac_kept())
-        self.stage = int(ctypes.cast(library.pmjac_run_stage, ctypes.c_void_p).value or 0)
+        self.stage = int(ctypes.cast(library.pmjac_run_stage, POINTER).value or 0)
 
     @classmethod
     def of(cls, tape: Tape) -> CompiledProgram:
@@ -91,12 +93,12 @@ class CompiledProgram:
         found = np.empty((tape.outputs, count))
         work = aligned(self.kept + tape.inputs + tape.outputs, self._lanes)
         self._library.pmjac_run_rows(
-            ctypes.c_int64(len(tape.stages) or 1),
-            ctypes.c_int64(count),
+            len(tape.stages) or 1,
+            count,
             address(inputs),
-            ctypes.c_int64(tape.inputs),
+            tape.inputs,
             address(found),
-            ctypes.c_int64(tape.outputs),
+            tape.outputs,
             address(work),
         )
         return found

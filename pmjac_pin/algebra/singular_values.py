@@ -8,7 +8,7 @@ from functools import cache
 
 import numpy as np
 
-from pmjac_pin.algebra.c_kernels import address, loaded
+from pmjac_pin.algebra.c_kernels import COUNT, POINTER, address, loaded
 from pmjac_pin.values.arrays import Array, Mask
 
 
@@ -59,13 +59,15 @@ def values_in(library: ctypes.CDLL, matrices: Array, places: Sequence[int]) -> A
     given = np.ascontiguousarray(matrices, dtype=float)
     vectors, length, count = given.shape
     which, found = np.array(places, dtype=np.int64), np.empty((len(places), count))
+    counts = (COUNT, COUNT, COUNT)
+    library.pmjac_singular_values.argtypes = (POINTER, *counts, POINTER, COUNT, POINTER)
     failed = library.pmjac_singular_values(
         address(given),
-        ctypes.c_int64(vectors),
-        ctypes.c_int64(length),
-        ctypes.c_int64(count),
+        vectors,
+        length,
+        count,
         address(which),
-        ctypes.c_int64(which.size),
+        which.size,
         address(found),
     )
     if failed:

@@ -8,7 +8,7 @@ from functools import cache
 import numpy as np
 
 from pmjac_pin.algebra import numpy_tape
-from pmjac_pin.algebra.c_kernels import address, loaded
+from pmjac_pin.algebra.c_kernels import COUNT, POINTER, address, loaded
 from pmjac_pin.algebra.tape import Tape
 from pmjac_pin.values.arrays import Array
 
@@ -38,14 +38,16 @@ def run_in(library: ctypes.CDLL, tape: Tape, inputs: Array) -> Array:
     given = np.ascontiguousarray(inputs, dtype=float)
     code = np.ascontiguousarray(tape.code)
     found = np.empty((tape.outputs, given.shape[1]))
+    constants = (POINTER, COUNT, COUNT)
+    library.pmjac_run_tape.argtypes = (POINTER, COUNT, *constants, POINTER, COUNT, POINTER)
     failed = library.pmjac_run_tape(
         address(code),
-        ctypes.c_int64(len(code)),
+        len(code),
         address(tape.constants),
-        ctypes.c_int64(len(tape.constants)),
-        ctypes.c_int64(tape.slots),
+        len(tape.constants),
+        tape.slots,
         address(given),
-        ctypes.c_int64(given.shape[1]),
+        given.shape[1],
         address(found),
     )
     if failed:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pmjac_pin.algebra.c_kernels import address, loaded
+from pmjac_pin.algebra.c_kernels import COUNT, POINTER, address, loaded
 from pmjac_pin.algebra.tape import Tape
 from pmjac_pin.closing.recorded_step import BOUNDS
 from pmjac_pin.values.arrays import aligned
@@ -25,8 +25,7 @@ _SOURCES = (
     "algebra/lanes.h",
 )
 
-_Number, _Count = ctypes.c_double, ctypes.c_int64
-_Pointer = ctypes.c_void_p
+_Number = ctypes.c_double
 
 
 @cache
@@ -49,10 +48,10 @@ class ProgramStruct(ctypes.Structure):
     """`Program`."""
 
     _fields_ = (
-        ("code", _Pointer),
-        ("length", _Count),
-        ("stages", _Count * BOUNDS),
-        *((name, _Pointer) for name in ("slots", "inputs", "outputs", "compiled")),
+        ("code", POINTER),
+        ("length", COUNT),
+        ("stages", COUNT * BOUNDS),
+        *((name, POINTER) for name in ("slots", "inputs", "outputs", "compiled")),
     )
 
 
@@ -60,13 +59,13 @@ class MachineStruct(ctypes.Structure):
     """`Machine`."""
 
     _fields_ = (
-        *((name, _Count) for name in ("nq", "nv", "motors")),
-        *((name, _Pointer) for name in ("motor_entries", "motor_circles", "scale")),
+        *((name, COUNT) for name in ("nq", "nv", "motors")),
+        *((name, POINTER) for name in ("motor_entries", "motor_circles", "scale")),
         *((name, _Number) for name in ("tolerance", "enough", "walking", "rank_tolerance")),
         *((name, _Number) for name in ("least_size", "largest_step", "smallest_step")),
         *((name, _Number) for name in ("largest_correction", "slowest_contraction")),
         *((name, _Number) for name in ("no_inverse", "margin", "arrival_tolerance")),
-        ("most_corrections", _Count),
+        ("most_corrections", COUNT),
     )
 
 
@@ -74,8 +73,8 @@ class LaneStruct(ctypes.Structure):
     """`Lane`."""
 
     _fields_ = (
-        *((name, _Count) for name in ("state", "path", "tries", "iterations", "corrections")),
-        ("last", _Count),
+        *((name, COUNT) for name in ("state", "path", "tries", "iterations", "corrections")),
+        ("last", COUNT),
         *((name, _Number) for name in ("share", "next", "stride", "allowed", "before")),
         *((name, _Number) for name in ("size", "left")),
     )
@@ -85,18 +84,18 @@ class WalkStruct(ctypes.Structure):
     """`Walk`."""
 
     _fields_ = (
-        ("machine", _Pointer),
+        ("machine", POINTER),
         *((name, ProgramStruct) for name in ("move", "arrival", "leg")),
-        *((name, _Pointer) for name in ("point", "lanes", "common", "learnt")),
+        *((name, POINTER) for name in ("point", "lanes", "common", "learnt")),
         ("inverse", _Number),
-        *((name, _Pointer) for name in ("start", "displacement", "target", "design")),
+        *((name, POINTER) for name in ("start", "displacement", "target", "design")),
         *(
-            (name, _Count)
+            (name, COUNT)
             for name in ("designed", "apart", "count", "taken", "most_tries", "few", "patience")
         ),
-        ("busy", _Count),
-        ("arrived", _Count),
-        *((name, _Pointer) for name in ("q", "gap", "share", "iterations", "end")),
+        ("busy", COUNT),
+        ("arrived", COUNT),
+        *((name, POINTER) for name in ("q", "gap", "share", "iterations", "end")),
     )
 
 

@@ -9,12 +9,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pmjac_pin.algebra.c_kernels import address, loaded
+from pmjac_pin.algebra.c_kernels import COUNT, POINTER, address, loaded
 from pmjac_pin.algebra.intervals import Intervals
 from pmjac_pin.algebra.tape import Tape
 from pmjac_pin.values.arrays import Array
-
-_Count, _Pointer = ctypes.c_int64, ctypes.c_void_p
 
 
 @cache
@@ -23,16 +21,20 @@ def pruning_kernel() -> ctypes.CDLL | None:
     folder = "studies/modes"
     own = (f"{folder}/{name}" for name in ("pruning_kernel.c", "boxes_in_lanes.h", "narrowing.h"))
     tapes = ("algebra/interval_tape.c", "algebra/tape_kernel.c", "algebra/lanes.h")
-    return loaded(f"{folder}/_pruning_kernel.so", *own, *tapes)
+    library = loaded(f"{folder}/_pruning_kernel.so", *own, *tapes)
+    if library is not None:
+        arrays = (POINTER, POINTER, POINTER)
+        library.pmjac_enclose.argtypes = library.pmjac_prune.argtypes = (POINTER, COUNT, *arrays)
+    return library
 
 
 class _Program(ctypes.Structure):
     """`Program`."""
 
     _fields_ = (
-        ("code", _Pointer),
-        ("constants", _Pointer),
-        *((name, _Count) for name in ("length", "known", "slots")),
+        ("code", POINTER),
+        ("constants", POINTER),
+        *((name, COUNT) for name in ("length", "known", "slots")),
     )
 
 
@@ -42,8 +44,8 @@ class _Loops(ctypes.Structure):
     _fields_ = (
         ("whole", _Program),
         ("values", _Program),
-        *((name, _Pointer) for name in ("given", "tolerance", "scale")),
-        *((name, _Count) for name in ("fixed", "unknowns", "rows", "cosines")),
+        *((name, POINTER) for name in ("given", "tolerance", "scale")),
+        *((name, COUNT) for name in ("fixed", "unknowns", "rows", "cosines")),
         ("progress", ctypes.c_double),
     )
 
@@ -83,7 +85,7 @@ class LoopsInLanes:
         count = len(lower)
         found = np.empty((self._outputs, 2, count))
         arrays = map(address, (lower, upper, found))
-        if self._library.pmjac_enclose(ctypes.byref(self._loops), _Count(count), *arrays):
+        if self._library.pmjac_enclose(ctypes.byref(self._loops), count, *arrays):
             raise MemoryError("no memory for intervals")
         return Intervals(found[:, 0], found[:, 1])
 
@@ -100,7 +102,7 @@ class LoopsInLanes:
         scale = np.array(scale, dtype=float)
         self._loops.scale, self._loops.progress = address(scale), progress
         arrays = map(address, (lower, upper, cut))
-        if self._library.pmjac_prune(ctypes.byref(self._loops), _Count(len(lower)), *arrays):
+        if self._library.pmjac_prune(ctypes.byref(self._loops), len(lower), *arrays):
             raise MemoryError("no memory for intervals")
         return Intervals(lower, upper), cut
 
