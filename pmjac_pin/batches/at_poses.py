@@ -54,10 +54,12 @@ class AtPoses:
         """Return what finds the arrays of `ManyEllipsoids`."""
         rates = self._rates(self._recorded.ellipsoids)
 
-        def work(piece: Piece, q: Array, J_eq: Array, status: Statuses, *radii: Array) -> None:
-            sizes, certain = rates.fill(q, J_eq)
-            self._judge.settle(piece, q, certain, _WORLD_ALIGNED, (J_eq, status))
-            fill_radii(J_eq, sizes, *radii)
+        def work(
+            piece: Piece, q: Array, J_eq: Array, status: Statuses, linear: Array, angular: Array
+        ) -> None:
+            sizes, certain = rates.fill(q, J_eq, (linear, angular))
+            if self._judge.settle(piece, q, certain, _WORLD_ALIGNED, (J_eq, status)):
+                fill_radii(J_eq, sizes, linear, angular)
 
         return work
 

@@ -36,6 +36,7 @@ from pmjac_pin.batches.results import (
     Statuses,
     say_nothing,
     shapes_of,
+    shapes_of_closed,
 )
 from pmjac_pin.batches.sound_rows import SoundRows
 from pmjac_pin.configuration import Configuration
@@ -231,7 +232,7 @@ class Batch:
         return len(values), work, (values,) if known else (start, values)
 
     def _closed(self, count: int, out: ManyClosed | None = None) -> Wanted[ManyClosed]:
-        shapes = {"q": (count, self.mechanism.nq), "share": (count,), "status": (count,)}
+        shapes = shapes_of_closed(count, self.mechanism.nq)
         return Wanted(ManyClosed, shapes, out, coordinates=self.mechanism.coordinates)
 
     def jacobian(

@@ -210,7 +210,7 @@ class DesignBatch:
         far = np.linalg.norm(displacement / self._strokes, axis=1)
         ended = (paths.share > 0.0) & ((1.0 - paths.share) * far > HARDLY_ANYTHING)
         settled = (paths.settled | self._singular(paths)) & (far <= MOST_STEPS * LARGEST_STEP)
-        return replace(paths, settled=settled & ((paths.share == 1.0) | ended))
+        return paths._replace(settled=settled & ((paths.share == 1.0) | ended))
 
     def _singular(self, paths: Paths) -> Mask:
         """Tell which paths that are not settled end where K* has less rank than it may have."""

@@ -25,11 +25,18 @@ INLINE int is_certain(const Certainty *asked, const Row *told, int at)
         && told[FELT][at] <= asked->felt * told[TOOL][at] && told[SPREAD][at] > asked->spread;
 }
 
+/* What finds the radii of J_eq beside sizes: `pmjac_radii` of `rates/many_radii.c`. */
+typedef int (*Radii)(
+    const double *J_eq, int64_t motors, int64_t count, const double *sizes, const void *nothing,
+    double *linear, double *angular);
+
 /* From rows (count, nq) to rows (count, entries), numbers (more, count) that follow these in the
- * program, and whether each is certain. */
-void pmjac_rates(
+ * program, and whether each is certain. Where radii are asked for, these numbers are sizes. Returns
+ * what `radii` does, else 0. */
+int pmjac_rates(
     const Program *program, const Certainty *asked, const double *q, int64_t nq, int64_t count,
-    int64_t entries, int64_t more, double *J_eq, double *others, uint8_t *certain)
+    int64_t entries, int64_t more, double *J_eq, double *others, uint8_t *certain, Radii radii,
+    const void *nothing, double *linear, double *angular)
 {
     const Row *told = program->outputs;
     for (int64_t start = 0; start < count; start += LANES) {
@@ -47,6 +54,7 @@ void pmjac_rates(
             for (int at = 0; at < width; at++)
                 others[k * count + start + at] = told[DOUBTS + entries + k][at];
     }
+    return radii ? radii(J_eq, entries / 6, count, others, nothing, linear, angular) : 0;
 }
 
 int pmjac_lanes(void) { return LANES; }

@@ -8,18 +8,21 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pmjac_pin.algebra.c_kernels import address, loaded
+from pmjac_pin.algebra.c_kernels import COUNT, POINTER, address, loaded
 from pmjac_pin.algebra.tape import Tape
 from pmjac_pin.algebra.tape_runner import run
 from pmjac_pin.batches.judge import FELT, certain_jacobians, rank_bounds
 from pmjac_pin.closing.path_kernel import Memory
 from pmjac_pin.closing.recorded_rates import DOUBTS, SPREAD
+from pmjac_pin.rates.many_radii import NOTHING, fill_radii, radii_kernel
 from pmjac_pin.rates.partition import Partition
 from pmjac_pin.values.arrays import Array, Mask
 from pmjac_pin.values.spares import Spares
 
 if TYPE_CHECKING:
     from pmjac_pin.algebra.compiled_programs import CompiledProgram
+
+_NO_RADII = (None, None, None, None)
 
 
 class ManyRates:
@@ -47,11 +50,15 @@ class ManyRates:
         self._compiled, self._kernel = compiled, None
         if (library := rates_kernel()) is not None:
             self._kernel = library, Spares(partial(Memory, tape, library.pmjac_lanes(), compiled))
+        radii = radii_kernel()
+        self._radii = None if radii is None else ctypes.cast(radii.pmjac_radii, POINTER).value
         bounds = rank_bounds(partition)
         limits = (tolerance, bounds.weakest, bounds.tolerance, bounds.least_size, FELT, SPREAD)
         self._asked = (ctypes.c_double * len(limits))(*limits)
 
-    def fill(self, poses: Array, J_eq: Array) -> tuple[Array, Mask]:
+    def fill(
+        self, poses: Array, J_eq: Array, radii: tuple[Array, Array] | tuple[()] = ()
+    ) -> tuple[Array, Mask]:
         """Find J_eq; return the other numbers of the program, and where J_eq is certain.
 
         Parameters
@@ -59,20 +66,26 @@ class ManyRates:
         poses : ndarray, shape (N, nq)
         J_eq : ndarray, shape (N, 6, n)
             Where it goes, row by row.
+        radii : (ndarray, ndarray), optional
+            Where those of its blocks go, of shapes (N, 3), as `fill_radii` finds them beside the
+            other numbers, which are sizes.
 
         Returns
         -------
         ndarray, ndarray of bool
             Shapes (k, N), of what the tape gives behind J_eq, and (N,).
         """
-        if self._kernel is None:
-            return self._by_numpy(poses, J_eq)
+        if self._kernel is None or (radii and self._radii is None):
+            sizes, certain = self._by_numpy(poses, J_eq)
+            if radii:
+                fill_radii(J_eq, sizes, *radii)
+            return sizes, certain
         count, entries = len(poses), J_eq.shape[1] * J_eq.shape[2]
         others = np.empty((self._tape.outputs - DOUBTS - entries, count))
         certain, rows = np.empty(count, dtype=bool), np.ascontiguousarray(poses)
         library, spares = self._kernel
         memory = spares.take()
-        library.pmjac_rates(
+        failed = library.pmjac_rates(
             ctypes.byref(memory.struct),
             self._asked,
             address(rows),
@@ -81,9 +94,14 @@ class ManyRates:
             entries,
             len(others),
             *map(address, (J_eq, others, certain)),
+            *((self._radii, NOTHING, *map(address, radii)) if radii else _NO_RADII),
         )
         spares.put_back(memory)
-        return others, certain & (not self._partition.isolated)
+        if failed:
+            raise MemoryError("no memory for singular values")
+        if self._partition.isolated:
+            certain.fill(False)
+        return others, certain
 
     def _by_numpy(self, poses: Array, J_eq: Array) -> tuple[Array, Mask]:
         told = run(self._tape, poses.T) if self._compiled is None else self._compiled.run(poses.T)
@@ -98,7 +116,5 @@ def rates_kernel() -> ctypes.CDLL | None:
     sources = ("closing/walk.h", "algebra/tape_kernel.c", "algebra/lanes.h")
     library = loaded("batches/_many_rates.so", "batches/many_rates.c", *sources)
     if library is not None:
-        numbers, pointers = [ctypes.c_int64] * 4, [ctypes.c_void_p] * 3
-        library.pmjac_rates.argtypes = [*[ctypes.c_void_p] * 3, *numbers, *pointers]
-        library.pmjac_rates.restype = None
+        library.pmjac_rates.argtypes = [*[POINTER] * 3, *[COUNT] * 4, *[POINTER] * 7]
     return library

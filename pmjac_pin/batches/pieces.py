@@ -9,17 +9,16 @@ from __future__ import annotations
 import os
 from _thread import start_new_thread
 from collections import deque
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
 from itertools import pairwise, repeat
 from threading import Event
-from typing import Any, Generic, TypeAlias, TypeVar
+from typing import Any, Generic, NamedTuple, TypeAlias, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pmjac_pin.batches.filled_again import memory_of, note_memory
+from pmjac_pin.batches.filled_again import Memory, Shapes, memory_of, note_memory
 from pmjac_pin.batches.results import Status, empty_arrays, say_nothing
 from pmjac_pin.errors import ArgumentError, Interrupted, quoted
 from pmjac_pin.values.arrays import Array, Mask, ReadOnlyArrays, sealed
@@ -67,8 +66,7 @@ class _GivenUp(Exception):
 PieceWork: TypeAlias = Callable[..., object]
 
 
-@dataclass(frozen=True, slots=True)
-class Manner:
+class Manner(NamedTuple):
     """How many poses are computed.
 
     Attributes
@@ -104,14 +102,14 @@ class Wanted(Generic[Results]):
     def __init__(
         self,
         kind: type[Results],
-        shapes: Mapping[str, tuple[int, ...]],
+        shapes: Shapes,
         out: Results | None = None,
         **more: Any,
     ) -> None:
         self._kind, self._shapes, self._out, self._more = kind, shapes, out, more
 
-    def taken(self, given: Sequence[Array]) -> tuple[Results, dict[str, NDArray[Any]]]:
-        """Return the results and the arrays that they show, which nobody else fills.
+    def taken(self, given: Sequence[Array]) -> tuple[Results, Memory]:
+        """Return the results and what they show, which nobody else fills.
 
         Raises
         ------
@@ -121,12 +119,12 @@ class Wanted(Generic[Results]):
         if self._out is None:
             arrays = empty_arrays(self._shapes)
             shown = {name: sealed(array) for name, array in arrays.items()}
-            return self._kind(**shown, **self._more), arrays
+            return self._kind(**shown, **self._more), Memory(arrays, self._shapes)
         return self._out, memory_of(self._out, self._kind, self._shapes, given)
 
     def renew(self) -> None:
         """Let results that are filled again say what they are made with now."""
-        if self._out is not None:
+        if self._out is not None and self._more:
             self._out.__post_init__(**self._more)
 
 
@@ -155,14 +153,15 @@ def gathered_together(
 ) -> tuple[Any, ...]:
     """Return several results of the same poses, each piece of all of them at a time."""
     check_callable(how.progress, "progress")
-    threads, taken = thread_count(how.threads), list[tuple[Any, dict[str, NDArray[Any]]]]()
+    threads = thread_count(how.threads)
+    taken: list[tuple[Any, Memory]] = []
     try:
         for one in wanted:
             taken.append(one.taken(how.given))
         for one in wanted:  # none of them was refused
             one.renew()
         results = tuple(result for result, _ in taken)
-        filling = _Filling([array for _, arrays in taken for array in arrays.values()], work)
+        filling = _Filling([array for _, memory in taken for array in memory.arrays.values()], work)
         try:
             filling.fill(threads, how.progress)
         except BaseException as stopped:
@@ -172,8 +171,8 @@ def gathered_together(
                 raise interrupted(told, done) from None
             raise
     finally:
-        for result, arrays in taken:
-            note_memory(result, arrays)
+        for result, memory in taken:
+            note_memory(result, memory)
     return results
 
 
@@ -206,7 +205,8 @@ class _Filling:
     def __init__(self, found: Sequence[NDArray[Any]], work: PieceWork) -> None:
         self.count, self._found, self._work = len(found[0]), found, work
         self._left = {piece.start: piece for piece in pieces_of(self.count)}
-        self._waiting, self._ended = deque(self._left), deque[int]()
+        self._waiting = deque(self._left)
+        self._ended: deque[int] = deque()
         self._failed: dict[int, Exception] = {}
         self.given_up = False
 
@@ -218,7 +218,8 @@ class _Filling:
         try:
             # Not by `threading`, which waits until each runs: 0.1 ms where a core is to wake. And
             # at once, so that whoever interrupts finds in `helpers` all that run.
-            helpers.extend(map(start_new_thread, repeat(self._help), zip(at_rest)))
+            if at_rest:
+                helpers.extend(map(start_new_thread, repeat(self._help), zip(at_rest)))
             for _ in self._pieces():
                 told.on()
             _wait_for(at_rest)

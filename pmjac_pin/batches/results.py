@@ -241,6 +241,12 @@ def shapes_of(kind: type[ManyJacobians], count: int, motors: int) -> Mapping[str
     )
 
 
+@lru_cache(maxsize=64)
+def shapes_of_closed(count: int, nq: int) -> Mapping[str, tuple[int, ...]]:
+    """Return the shapes of the arrays of so many paths."""
+    return MappingProxyType({"q": (count, nq), "share": (count,), "status": (count,)})
+
+
 def empty_arrays(shapes: Mapping[str, tuple[int, ...]]) -> dict[str, NDArray[Any]]:
     """Return arrays of results that are to be filled: statuses, and numbers."""
     kinds = {name: np.int8 if name == "status" else np.float64 for name in shapes}

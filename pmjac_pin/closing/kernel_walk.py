@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -91,8 +90,7 @@ class KernelMachine:
         )
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class PathsToWalk:
+class PathsToWalk(NamedTuple):
     """Paths, and where they end.
 
     Attributes
@@ -158,7 +156,7 @@ class KernelWalk:
             address(learnt),
             0.0,
         )
-        self._argument = ctypes.byref(self._struct)
+        self._argument, self._one = ctypes.byref(self._struct), np.zeros(machine.struct.nq)
         self._given: object = None
         self._make_room(1)
 
@@ -177,12 +175,15 @@ class KernelWalk:
         struct, count = self._struct, len(paths.start)
         if count > len(self.end):
             self._make_room(count)
-        apart = paths.start.strides[0] // paths.start.itemsize
-        start = np.ascontiguousarray(paths.start if apart else paths.start[:1])
+        start, struct.apart = self._one, 0
+        if paths.start.strides[0]:
+            start, struct.apart = np.ascontiguousarray(paths.start), paths.start.shape[1]
+        else:
+            start[:] = paths.start[0]
         ways = np.ascontiguousarray(paths.displacement), np.ascontiguousarray(paths.target)
         design = None if paths.design is None else np.ascontiguousarray(paths.design)
         self._given = start, ways, design, paths
-        struct.start, struct.apart = address(start), start.shape[1] if apart else 0
+        struct.start = address(start)
         struct.displacement, struct.target = map(address, ways)
         struct.design, struct.designed = None, 0
         if design is not None:

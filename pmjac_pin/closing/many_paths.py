@@ -9,8 +9,8 @@ idles, which `many_idle_paths` brings back.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
-from typing import TypeAlias
+from dataclasses import dataclass
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -100,8 +100,7 @@ class PathPoints:
         return known
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Paths:
+class Paths(NamedTuple):
     """Where paths ended.
 
     Attributes
@@ -125,7 +124,7 @@ class Paths:
 
     def less(self, doubtful: Mask) -> Paths:
         """Return paths of which these are not settled where they end early."""
-        return replace(self, settled=(self.settled & ~doubtful) | (self.share == 1.0))
+        return self._replace(settled=(self.settled & ~doubtful) | (self.share == 1.0))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -296,4 +295,4 @@ def judged(problem: ClosureProblem, paths: Paths, displacement: Array, doubtful:
     for index in np.flatnonzero(settled & doubtful).tolist():
         factors = closed_point(problem, paths.q[index].copy()).factors
         settled[index] = factors.rank < partition.passive_rank
-    return replace(paths, settled=settled | (paths.share == 1.0))
+    return paths._replace(settled=settled | (paths.share == 1.0))

@@ -112,7 +112,9 @@ class PathsInLanes:
         walk.let_go()
         self._walks.put_back(walk)
         if end is None:
-            return Paths(found, share, np.ones(len(q), dtype=bool), all_arrived=True)
+            settled = np.empty(len(q), dtype=bool)
+            settled.fill(True)  # `np.ones` takes three times as long
+            return Paths(found, share, settled, all_arrived=True)
         ended = Paths(found, share, end != SPENT)
         if design is not None:
             return ended.less(end == DOUBTFUL)

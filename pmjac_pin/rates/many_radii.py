@@ -13,7 +13,8 @@ from pmjac_pin.rates.ellipse import FLATNESS_TOLERANCE, flattened
 from pmjac_pin.rates.tool_reach import RADIUS_ROUNDING
 from pmjac_pin.values.arrays import Array
 
-_TO_ZERO = (ctypes.c_double * 2)(FLATNESS_TOLERANCE, RADIUS_ROUNDING)
+#: `Nothing` of `many_radii.c`.
+NOTHING = (ctypes.c_double * 2)(FLATNESS_TOLERANCE, RADIUS_ROUNDING)
 
 
 def fill_radii(J_eq: Array, sizes: Array, linear: Array, angular: Array) -> None:
@@ -56,7 +57,7 @@ def _by_kernel(
         given.shape[2],
         len(given),
         address(beside),
-        _TO_ZERO,
+        NOTHING,
         address(linear),
         address(angular),
     )
