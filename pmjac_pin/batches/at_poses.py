@@ -54,9 +54,8 @@ class AtPoses:
         """Return what finds the arrays of `ManyEllipsoids`."""
         rates = self._rates(self._recorded.ellipsoids)
 
-        def work(
-            piece: Piece, q: Array, J_eq: Array, status: Statuses, linear: Array, angular: Array
-        ) -> None:
+        def work(piece: Piece, q: Array, J_eq: Array, status: Statuses, *radii: Array) -> None:
+            linear, angular = radii
             sizes, certain = rates.fill(q, J_eq, (linear, angular))
             if self._judge.settle(piece, q, certain, _WORLD_ALIGNED, (J_eq, status)):
                 fill_radii(J_eq, sizes, linear, angular)

@@ -222,8 +222,12 @@ class Batch:
 
         def work(piece: Piece, *found: Any) -> bool:
             """Tell whether of some paths nothing is known."""
-            begin, targets, why = self._sound.of_paths(start[piece.at], values[piece.at], is_open)
-            self._closing.close(piece, (begin, targets), whose, found)
+            begin, targets, why, beyond = start[piece.at], values[piece.at], None, whose
+            if known and self.mechanism.motors.are_inside(targets):
+                beyond = "none" if whose == "motors" else whose
+            else:
+                begin, targets, why = self._sound.of_paths(begin, targets, is_open)
+            self._closing.close(piece, (begin, targets), beyond, found)
             if why is not None:
                 none = why != Status.CLOSED
                 say_nothing(found, none, why[none])

@@ -249,10 +249,12 @@ def shapes_of_closed(count: int, nq: int) -> Mapping[str, tuple[int, ...]]:
 
 def empty_arrays(shapes: Mapping[str, tuple[int, ...]]) -> dict[str, NDArray[Any]]:
     """Return arrays of results that are to be filled: statuses, and numbers."""
-    kinds = {name: np.int8 if name == "status" else np.float64 for name in shapes}
-    size = sum(math.prod(shape) * np.dtype(kinds[name]).itemsize for name, shape in shapes.items())
-    empty = np.empty if size < LARGE else in_memory_left
-    return {name: empty(shape, kinds[name]) for name, shape in shapes.items()}
+    numbers = sum(map(math.prod, shapes.values()))
+    empty = np.empty if 8 * numbers < LARGE else in_memory_left
+    return {
+        name: empty(shape, np.int8 if name == "status" else np.float64)
+        for name, shape in shapes.items()
+    }
 
 
 def say_nothing(found: Sequence[NDArray[Any]], which: Any, status: Status | Statuses) -> None:

@@ -145,7 +145,7 @@ class KernelWalk:
         # With the rates with each motor, how these bend by pairs, and their sizes.
         common = np.zeros(arrival.outputs + motors * (nv + 1) + motors * (motors + 1) // 2 * nv)
         learnt = np.full(machine.struct.nq, np.nan)
-        self._begin, self._walk = library.pmjac_begin, library.pmjac_walk
+        self._set_out, self._walk = library.pmjac_set_out, library.pmjac_walk
         self._kept = machine, programs, point, states, common, learnt
         self._struct = WalkStruct(
             ctypes.addressof(machine.struct),
@@ -208,9 +208,9 @@ class KernelWalk:
         """Whether all paths that were taken are at their targets."""
         return bool(self._struct.arrived == self._struct.count)
 
-    def begin(self) -> None:
-        """Go to where the paths start."""
-        self._begin(self._argument)
+    def set_out(self, steps: int) -> bool:
+        """Walk from where the paths start, as `go_on` walks on."""
+        return bool(self._set_out(self._argument, steps))
 
     def go_on(self, steps: int) -> bool:
         """Walk up to so many steps of each lane; tell whether more lead further."""

@@ -97,10 +97,17 @@ class Motors:
 
     def beyond(self, values: Array) -> Mask | None:
         """Tell of which of many values (N, n) one is beyond limits; None where none is."""
-        if within(values, self._narrowest):
+        if self.are_inside(values):
             return None
         beyond = np.asarray(self._coordinates.beyond(values, self._columns).any(axis=1))
         return beyond if beyond.any() else None
+
+    def are_inside(self, values: Array) -> bool:
+        """Tell whether many values (N, n) are numbers within the limits of each motor.
+
+        False also where limits are unlike, and some are beyond the narrowest of them.
+        """
+        return within(values, self._narrowest)
 
     def ways(self, start: Array, values: Array) -> Array:
         """Return how far the motors go from many q, or from one, to values (N, n)."""

@@ -86,9 +86,9 @@ class OnePath:
         except AttributeError:
             walk, paths = self._threads.work = self._work()
         paths.start[0], paths.displacement[0], paths.target[0] = q, displacement, values
-        walk.begin()
-        while walk.go_on(_STEPS_AT_ONCE):
-            pass
+        more = walk.set_out(_STEPS_AT_ONCE)
+        while more:
+            more = walk.go_on(_STEPS_AT_ONCE)
         if walk.end[0] == SPENT:
             return None
         gap, iterations = float(walk.gap[0]), int(walk.iterations[0])

@@ -65,7 +65,7 @@ static void take_up(Walk *walk, int at)
 }
 
 /* Take up the first paths. Lanes behind the last one that has a path are left alone. */
-void pmjac_begin(Walk *walk)
+static void begin(Walk *walk)
 {
     if (have_common_start(walk)) learn_common(walk);
     walk->taken = walk->busy = walk->arrived = 0;
@@ -255,4 +255,11 @@ int pmjac_walk(Walk *walk, int64_t steps)
         set_all_out(walk);
     }
     return walk->busy > 0;
+}
+
+/* The same from where paths start. */
+int pmjac_set_out(Walk *walk, int64_t steps)
+{
+    begin(walk);
+    return pmjac_walk(walk, steps);
 }

@@ -104,9 +104,10 @@ class PathsInLanes:
         paths = PathsToWalk(q, displacement, target, found, share, design)
         at_one = not q.strides[0] and design is None
         walk.take(paths, most_steps, FEW, LONG, self._inverse_at(q[0]) if at_one else 0.0)
-        walk.begin()
+        more = walk.set_out(_LANE_STEPS_AT_ONCE)
         go_on()
-        while walk.go_on(_LANE_STEPS_AT_ONCE):
+        while more:
+            more = walk.go_on(_LANE_STEPS_AT_ONCE)
             go_on()
         end = None if walk.all_arrived else walk.end[: len(q)].copy()
         walk.let_go()

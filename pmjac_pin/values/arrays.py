@@ -50,8 +50,8 @@ def sealed(array: AnyArray) -> AnyArray:
     """Return an array that stays read-only, without a copy: for what nobody else holds."""
     if not array.size:
         return read_only(array)
-    flat = np.frombuffer(array.reshape(-1).data.toreadonly(), array.dtype)
-    return flat.reshape(array.shape)  # type: ignore[return-value]
+    flat = np.frombuffer(array.data.toreadonly(), array.dtype)
+    return flat.reshape(array.shape) if array.ndim != 1 else flat  # type: ignore[return-value]
 
 
 def aligned(count: int, width: int) -> Array:
