@@ -55,20 +55,21 @@ def build(target: Path, source: Path, *included: Path) -> str:
     digest = hashlib.sha256(text).hexdigest()
     draft = target.with_suffix(f".{os.getpid()}")
     options = [*OPTIONS, f'-DSOURCE="{digest}"', str(source), "-o", str(draft), "-lm"]
-    failed = f"no C compiler: none is called {', '.join(COMPILERS['NAMES'])}"
+    failed: dict[str, str] = {}
     # An older one knows the kinds of processors by no such names: then one version does.
     for compiler, more in product(COMPILERS["c_compilers"](), ((), ("-DFOR_EACH_PROCESSOR=",))):
         command = [*compiler.command, *compiler.portable, *options, *more]
         try:
             done = subprocess.run(command, capture_output=True, text=True, check=False)
         except OSError as error:
-            failed = str(error)
+            failed[" ".join(compiler.command)] = str(error)
             continue
         if not done.returncode:
             draft.replace(target)
             return ""
-        failed = done.stderr
-    return failed
+        failed[" ".join(compiler.command)] = done.stderr
+    told = "\n".join(f"{command}: {why}" for command, why in failed.items())
+    return told or f"no C compiler: none is called {', '.join(COMPILERS['NAMES'])}"
 
 
 class CustomBuildHook(BuildHookInterface):  # type: ignore[type-arg]

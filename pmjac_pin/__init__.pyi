@@ -69,6 +69,9 @@ from .errors import (
 from .errors import (
     UnknownNameError as UnknownNameError,
 )
+from .errors import (
+    WorkerError as WorkerError,
+)
 from .files.catalog import list_mechanisms as list_mechanisms
 from .loading import load as load
 from .mechanism import Mechanism as Mechanism

@@ -236,6 +236,10 @@ class OutputError(PmjacError, OSError):
     """A file cannot be written: no right to, no space, or no place for one."""
 
 
+class WorkerError(PmjacError, RuntimeError):
+    """A process that computes for this one has ended before it has answered."""
+
+
 class MissingDependencyError(PmjacError, ImportError):
     """An optional package is needed and not installed."""
 

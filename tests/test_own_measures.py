@@ -146,6 +146,17 @@ def fails_late(poses, found):
     return poses.share[:1] if (poses.share == 1.0).all() and len(poses.q) == 25 else poses.share
 
 
+def sorted_series(poses, found):
+    pandas = pytest.importorskip("pandas")
+    return pandas.Series(np.arange(len(poses.q)))[::-1]
+
+
+def sorted_array(poses, found):
+    xarray = pytest.importorskip("xarray")
+    rows = range(len(poses.q))
+    return xarray.DataArray(np.arange(len(poses.q)), {"row": rows}, dims="row")[::-1]
+
+
 FUNCTIONS = [
     (fails, "measure 'mine': its function raised ZeroDivisionError: nothing to divide"),
     (lambda poses: 1.0, "raised TypeError"),
@@ -159,6 +170,8 @@ FUNCTIONS = [
     (lambda poses, found: np.ma.masked_less(poses.share, 2.0), "is to return real numbers"),
     (lambda poses, found: poses.joint("nowhere"), "raised UnknownNameError"),
     (lambda poses, found: found.J_eq.fill(0.0), "raised ValueError: .*read-only"),
+    (sorted_series, r"returned rows labelled \[10, .*\], not the poses', in their order"),
+    (sorted_array, r"returned rows labelled \[10, .*\], not the poses', in their order"),
     (fails_late, r"for each of 25 poses, \(25, ...\), it returned shape \(1,\)"),
     (lambda p, f: p.q[:, : 1 + (len(p.q) == 25)], r"shape \(25, 2\), where \(25, 1\) was"),
 ]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import threading
 
 import numpy as np
@@ -53,6 +54,26 @@ def assert_said(client):
 def test_processes(expected, tmp_path):
     found = swept(workers=2, out=tmp_path / "store.zarr")
     xarray.testing.assert_equal(found, expected)
+
+
+def dies(poses, found):
+    """Where it was tried all is well."""
+    if len(poses.q) == 2:
+        os._exit(1)
+    return poses.share
+
+
+@pytest.mark.slow
+def test_a_process_that_dies(tmp_path):
+    with pytest.raises(pj.WorkerError, match="has ended before it has answered"):
+        pj.sweep(
+            "four_bar",
+            {"theta1": np.linspace(0.8, 1.1, 4)},
+            measures={"mine": dies},
+            out=tmp_path / "store.zarr",
+            chunk=2,
+            workers=2,
+        )
 
 
 @pytest.mark.slow

@@ -107,6 +107,21 @@ def without_labels(column: Any) -> Any:
     return getattr(column, "values", column)
 
 
+def labels_of_rows(given: Any) -> list[Any] | None:
+    """Return what labels the rows of pandas' tables and columns and xarray's arrays; None: nothing.
+
+    Examples
+    --------
+    >>> labels_of_rows([1.0, 2.0]) is None
+    True
+    """
+    index, dimensions = getattr(given, "index", None), getattr(given, "dims", ())
+    if dimensions and dimensions[0] in given.coords:
+        index = np.asarray(given.coords[dimensions[0]])
+    tolist = getattr(index, "tolist", None)
+    return None if tolist is None else list(tolist())
+
+
 def _labelled_columns(given: Any) -> dict[Any, Any] | None:
     """Return the columns of an array of xarray's that labels one of its two axes by names."""
     dimensions, coordinates = getattr(given, "dims", ()), getattr(given, "coords", {})

@@ -6,13 +6,13 @@ import contextlib
 import multiprocessing
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from concurrent.futures import BrokenExecutor, ProcessPoolExecutor, ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import cache, partial
 from typing import Any, TypeAlias, TypeVar
 
 from pmjac_pin.batches.pieces import Progress
-from pmjac_pin.errors import ArgumentError, PmjacError, quoted
+from pmjac_pin.errors import ArgumentError, PmjacError, WorkerError, quoted
 from pmjac_pin.values.checks import check_callable
 
 #: (function, *arguments) ↦ what has a `result()`.
@@ -52,13 +52,19 @@ class Hands:
         return not isinstance(self.client, ThreadPoolExecutor)
 
     def results(self, function: Callable[..., T], jobs: Sequence[tuple[Any, ...]]) -> Iterator[T]:
-        """Yield the results of all jobs in their order, a few being handed out at a time."""
+        """Yield the results of all jobs in their order, a few being handed out at a time.
+
+        Raises
+        ------
+        WorkerError
+            A process ends before it has answered.
+        """
         waiting: deque[Any] = deque()
         with self._submit() as submit:
             for done in range(len(jobs)):
                 while len(waiting) < _WAITING * self.workers and done + len(waiting) < len(jobs):
                     waiting.append(submit(function, *jobs[done + len(waiting)]))
-                yield waiting.popleft().result()
+                yield _answer(waiting.popleft())
                 if self.progress is not None:
                     self.progress(done + 1, len(jobs))
 
@@ -76,6 +82,18 @@ class Hands:
                 yield pool.submit
             finally:
                 pool.shutdown(cancel_futures=True)
+
+
+def _answer(job: Any) -> Any:
+    try:
+        return job.result()
+    except BrokenExecutor as error:
+        raise WorkerError(
+            "a process that computes chunks has ended before it has answered: killed, out of "
+            "memory (then smaller chunks do, or fewer workers), or started by a script that does "
+            'not ask `if __name__ == "__main__":`; what is done is in `out`, where one is given, '
+            "and `resume` goes on from there"
+        ) from error
 
 
 class _Here:

@@ -14,6 +14,7 @@ from pmjac_pin.batches.results import ManyClosed, ManyMeasures, Status
 from pmjac_pin.errors import ArgumentError, quoted, shortened
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.values.arrays import Array
+from pmjac_pin.values.columns import labels_of_rows
 from pmjac_pin.values.found_once import found_once
 
 #: (N poses that have J_eq, what was found at them) ↦ an array (N, ...).
@@ -108,6 +109,10 @@ class OwnMeasure:
         if not values.size or not values.ndim or len(values) != count:
             wanted = f"is to return a number or an array for each of {count} poses"
             raise self._fault(f"{wanted}, ({count}, ...), it returned shape {values.shape}")
+        labels = labels_of_rows(returned)
+        if labels is not None and labels != list(range(count)):
+            right = "in their order: return them so, without labels"
+            raise self._fault(f"returned rows labelled {quoted(labels)}, not the poses', {right}")
         return values.astype(np.float64)
 
     def _fault(self, what: str) -> ArgumentError:

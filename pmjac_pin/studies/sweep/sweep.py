@@ -101,6 +101,8 @@ def sweep(
         `out` exists and is not to be resumed, or cannot be made.
     MissingDependencyError
         xarray or zarr is not installed.
+    WorkerError
+        A process that computes has ended before it has answered.
     Interrupted
         By Ctrl-C; its `done` is the dataset as far as it is known.
 
