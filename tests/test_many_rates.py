@@ -59,6 +59,22 @@ def test_without_a_kernel(name, rng, monkeypatch):
     np.testing.assert_array_equal(certain, told[1])
 
 
+@pytest.mark.parametrize("without", ["nothing", "rates_kernel", "radii_kernel"])
+@pytest.mark.parametrize("name", SAMPLE)
+def test_radii_behind_rates_are_those_of_them(name, without, rng, monkeypatch):
+    mechanism = loaded(name)
+    recorded, tolerance = mechanism.recorded, mechanism.problem.tolerance
+    q = poses_of_all_kinds(mechanism, 70, rng)
+    J_eq = np.empty((70, 6, len(mechanism.actuated)))
+    found, expected = np.full((2, 2, 70, 3), 7.0)
+    if without != "nothing":
+        monkeypatch.setattr(many_rates, without, lambda: None)
+    rates = ManyRates(recorded.ellipsoids, recorded.rates.partition, tolerance)
+    sizes, _ = rates.fill(q, J_eq, tuple(found))
+    fill_radii(J_eq, sizes, *expected)
+    np.testing.assert_array_equal(found, expected)
+
+
 @pytest.mark.skipif(radii_kernel() is None, reason="no kernel was built")
 @pytest.mark.parametrize("count", [1, 31, 32, 33, 100])
 @pytest.mark.parametrize("motors", [0, 1, 2, 3, 6, 12])

@@ -267,6 +267,33 @@ def test_branches_that_nearly_meet_are_not_taken_for_each_other(rng):
     assert all(keeps_the_sign(mechanism, way) for way in ways)
 
 
+@pytest.mark.parametrize("name", mechanisms.SAMPLE)
+def test_on_covered_steps_nothing_turns_into_its_opposite(name, rng, monkeypatch):
+    """All of I + A⁺ (K*(q₁) − A) is regular between, whatever is measured there: ρ < 1."""
+    mechanism = loaded(name)
+    partition, sizes = mechanism.problem.partition, []
+
+    def watched(covers):
+        def told(guard, problem, start, end, *rates, **more):
+            covered = covers(guard, problem, start, end, *rates, **more)
+            if covered and partition.passive_rank:
+                change = (end.scaled - start.scaled)[:, partition.passive]
+                turned = start.factors.inverse(partition.passive_rank) @ change
+                sizes.append(np.abs(np.linalg.eigvals(turned)).max())
+            return covered
+
+        return told
+
+    for method in ("covers", "covers_straight"):
+        monkeypatch.setattr(StepGuard, method, watched(getattr(StepGuard, method)))
+    size = partition.length * partition.column_scale[partition.actuated]
+    for way in size * rng.uniform(-2.5, 2.5, (12, size.size)):
+        with contextlib.suppress(pj.ClosureError):
+            mechanism.close(mechanism.home.actuated + way, enforce_limits=False)
+    assert max(sizes, default=0.0) < 1.0
+    assert bool(sizes) == bool(partition.passive_rank)
+
+
 def ladder(count):
     """Nested four-bars: the rocker of one is the crank of the next."""
     joints = [("t0", "revolute", "ground", "r0", (0, 0, 0), mechanisms.Z)]
