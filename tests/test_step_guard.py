@@ -236,21 +236,26 @@ def test_a_singular_target_is_reached():
 
 
 def keeps_the_sign(mechanism, displacement):
-    """Tell whether the determinant of K*, which is square, is of one sign at both ends of a path.
+    """Tell whether the determinant of K* is of one sign at both ends of a path.
 
-    True where the path ends, or leads to a singular pose.
+    It is square, less the rows in which a planar machine moves nothing. True where the path ends,
+    or leads to a singular pose.
     """
     partition, home = mechanism.problem.partition, mechanism.home
     try:
         pose = mechanism.close(home.actuated + displacement, enforce_limits=False)
     except pj.ClosureError:
         return True
-    scaled = [partition.scaled(mechanism.problem.evaluate(q)[1]) for q in (home.q, pose.q)]
-    first, last = (np.linalg.slogdet(one[:, partition.passive])[0] for one in scaled)
+    first, last = (
+        partition.scaled(mechanism.problem.evaluate(q)[1])[:, partition.passive]
+        for q in (home.q, pose.q)
+    )
+    moves = np.abs(first).max(axis=1) > 1e-9
+    first, last = (np.linalg.slogdet(one[moves])[0] for one in (first, last))
     return first == last or pose.singularity().is_singular
 
 
-@pytest.mark.parametrize("name", ["three_rps_ss", "three_rps", "ankle", "delta_rods"])
+@pytest.mark.parametrize("name", ["three_rps_ss", "planar_3rpr", "planar_3rrr", "five_bar"])
 def test_no_path_leads_to_where_the_determinant_has_another_sign(name, rng):
     mechanism = loaded(name)
     partition = mechanism.problem.partition
