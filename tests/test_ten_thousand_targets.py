@@ -82,11 +82,12 @@ class Path:
 
 @dataclass
 class Rates:
-    """What single calls say of a pose."""
+    """What single calls say of a pose, and how far its loops are open, of the length."""
 
     status: pj.Status
     jacobian: pj.EquivalentJacobian | None
     singularity: pj.Singularity
+    gap: float
 
 
 def path_alone(mechanism, values, limits):
@@ -101,12 +102,13 @@ def path_alone(mechanism, values, limits):
 
 
 def rates_alone(pose):
+    known = pose.singularity(), pose.residual_norm / pose.mechanism.characteristic_length
     try:
-        return Rates(pj.Status.CLOSED, pose.jacobian(), pose.singularity())
+        return Rates(pj.Status.CLOSED, pose.jacobian(), *known)
     except pj.SingularError:
-        return Rates(pj.Status.SINGULAR, None, pose.singularity())
+        return Rates(pj.Status.SINGULAR, None, *known)
     except pj.NoJacobianError:
-        return Rates(pj.Status.NO_JACOBIAN, None, pose.singularity())
+        return Rates(pj.Status.NO_JACOBIAN, None, *known)
 
 
 def same(found, expected, bound):
@@ -132,7 +134,11 @@ def same_end(mechanism, path, alone, rates):
 
 
 def same_rates(found, k, rates):
-    """J_eq, radii and what tells how near singular a pose is: to rounding, as conditioned."""
+    """J_eq, radii and what tells how near singular a pose is: to rounding, as conditioned.
+
+    Where loops are open by more, beside a fold, K* is one matrix or another by as much.
+    """
+    rounding = max(ROUNDING, rates.gap)
     singularity, jacobian = rates.singularity, rates.jacobian
     condition = singularity.condition if np.isfinite(singularity.condition) else 1.0
     pairs = [
@@ -146,7 +152,7 @@ def same_rates(found, k, rates):
             (found.velocity_radii[k], radii[0], jacobian.sizes[0]),
             (found.angular_radii[k], radii[1], jacobian.sizes[1]),
         ]
-    near = (same(one, other, ROUNDING * condition * size) for one, other, size in pairs)
+    near = (same(one, other, rounding * condition * size) for one, other, size in pairs)
     return found.status[k] == rates.status and all(near)
 
 

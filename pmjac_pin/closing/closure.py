@@ -217,7 +217,7 @@ def path_velocity(point: Closed, displacement: Array, partition: Partition) -> A
     moves = point.factors.solve(
         driving.dot(displacement / partition.motor_scale), partition.passive_rank
     )
-    velocity = _passive_motion(-moves, partition)
+    velocity = passive_motion(-moves, partition)
     velocity[partition.actuated] = displacement
     return velocity
 
@@ -252,7 +252,7 @@ def corrected(problem: ClosureProblem, q: Array, tangent: Array, last: bool) -> 
             return None
         allowed, previous_gap = SLOWEST_CONTRACTION * size, gap
         left, previous_size = next_correction(previous_size, size), size or np.nan
-        q = problem.integrate(q, _passive_motion(moves, partition))
+        q = problem.integrate(q, passive_motion(moves, partition))
     return None
 
 
@@ -283,7 +283,7 @@ def _newton_step(error: Array, scaled: Array, partition: Partition) -> Array:
     return -factors.solve(error, rank)
 
 
-def _passive_motion(moves: Array, partition: Partition) -> Array:
+def passive_motion(moves: Array, partition: Partition) -> Array:
     """Return v (nv,) of the passive joints' moves (m_p,), which are without dimension."""
     velocity = np.zeros(partition.column_scale.size)
     velocity[partition.passive] = moves * partition.passive_scale

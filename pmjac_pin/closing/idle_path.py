@@ -15,6 +15,7 @@ from pmjac_pin.closing.step_guard import StepGuard
 from pmjac_pin.values.arrays import Array, norm
 
 _HALVINGS = 6  # of pieces that go too far
+_STEPS_BACK = 100  # tried: beside a fold they are short
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -84,6 +85,26 @@ class IdlePath:
         )
 
     def _settled(self, start: Closed, end: Closed) -> Closed | None:
+        """Return the pose at which what idled has not moved, in steps back that are covered.
+
+        None where that is too far, or needs too many of them.
+        """
         if is_singular(end, self.problem.partition):
             return end  # more comes free there than idles
-        return self.idle.settled(self.problem, start, end)
+        here, share = end, 1.0
+        for _ in range(_STEPS_BACK):
+            found = self.idle.settled(self.problem, start, here, share)
+            if found is not None and self._is_covered(start, here, found):
+                if share == 1.0:
+                    return found
+                here, share = found, min(1.0, 2.0 * share)
+            elif found is None and here is end and share == 1.0:
+                return None
+            else:
+                share *= 0.5
+        return None
+
+    def _is_covered(self, start: Closed, here: Closed, found: Closed) -> bool:
+        return not is_singular(found, self.problem.partition) and self.idle.is_covered(
+            self.problem, self.guard, start, (here, found)
+        )

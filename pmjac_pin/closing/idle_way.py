@@ -14,6 +14,8 @@ loops: with u its step on the loops alone, N spanning null K* at q, and L v the 
     v = u − P (x + L u),    P = N (N₀ᵀ L N)⁻¹ N₀ᵀ:
 
 v = −B⁺ (η, N₀ᵀ x) with N₀ᵀ L below K* in B, whose last columns of B⁺ are N (N₀ᵀ L N)⁻¹.
+Near a fold of the loops these steps may lead to another assembly mode: what they find counts where
+a step guard covers the way there, with the motors at rest.
 P depends on no choice of bases; where nothing has turned it is orthogonal, ‖P‖² = d. Where idle
 motions are not those of the start any more, or x is near half a turn, P grows: there, a path is too
 long for this, and is cut in two.
@@ -29,7 +31,9 @@ import pinocchio as pin
 
 from pmjac_pin.algebra.floats import Floats
 from pmjac_pin.closing.closed import Closed, closed_point
+from pmjac_pin.closing.closure import passive_motion
 from pmjac_pin.closing.closure_problem import ClosureProblem
+from pmjac_pin.closing.step_guard import StepGuard
 from pmjac_pin.kinematics.joint_steps import arriving, between
 from pmjac_pin.kinematics.tree import Link, Tree
 from pmjac_pin.rates.partition import Partition
@@ -79,27 +83,46 @@ class IdleWay:
                 loose.setdefault(link.kind.name, []).append(link)
         self._loose = [_Alike.of(links) for links in loose.values()]
 
-    def settled(self, problem: ClosureProblem, start: Closed, end: Closed) -> Closed | None:
+    def settled(
+        self, problem: ClosureProblem, start: Closed, end: Closed, share: float = 1.0
+    ) -> Closed | None:
         """Return the closed pose beside the end of a path at which what idled has not moved.
 
-        None where Newton's method does not find it, or where it is too far from the start.
+        None where Newton's method does not find it, or where it is too far from the start. With a
+        share, the one where of N₀ᵀ x so much is left out.
         """
         here, before = self._seen(problem.partition, start, end), 2.0 * LARGEST_RETURN
+        left = np.zeros(len(here.error))
+        left[-here.idle :] = (1.0 - share) * here.error[-here.idle :]
         for _ in range(MOST_RETURNS):
             if (inverse := here.inverse()) is None:
                 return None
-            back = -inverse.dot(here.error)
+            back = -inverse.dot(here.error - left)
             size = norm(back) / problem.partition.length
             if not (size <= 0.5 * before or size <= UNRESOLVED):
                 return None
             here = self._seen(problem.partition, start, _gone_by(problem, here.point, back))
-            left = norm(inverse.dot(here.error)) / problem.partition.length
-            resolved = left <= SETTLED or not size <= 0.5 * before
+            off = norm(inverse.dot(here.error - left)) / problem.partition.length
+            resolved = off <= SETTLED or not size <= 0.5 * before
             if resolved and here.point.gap <= problem.tolerance:
                 turned = norm(inverse[:, -here.idle :]) ** 2
                 return here.point if turned <= here.idle + TURNED else None
             before = size
         return None
+
+    def is_covered(
+        self, problem: ClosureProblem, guard: StepGuard, start: Closed, ends: tuple[Closed, Closed]
+    ) -> bool:
+        """Tell whether a guard covers what idles between two poses with the motors at rest.
+
+        As a path whose N₀ᵀ x goes straight from that of the one to that of the other.
+        """
+        here, there = (self._seen(problem.partition, start, end) for end in ends)
+        moved = (there.error - here.error)[-here.idle :]
+        leaving, arriving = here.idling(moved), there.idling(moved)
+        if leaving is None or arriving is None:
+            return False
+        return guard.covers(problem, *ends, leaving, arriving)
 
     def _seen(self, partition: Partition, start: Closed, point: Closed) -> _Seen:
         """Return what is known of a pose beside those that a path leads to from its start."""
@@ -149,12 +172,16 @@ class _Seen:
         factors = partition.factorise(self.both, partition.size_of(self.point.scaled))
         return factors.inverse(columns) if factors.rank == columns else None
 
+    def idling(self, moved: Array) -> Array | None:
+        """Return v (nv,), with the loops closed, that lets N₀ᵀ x (d,) move so; None: no inverse."""
+        if (inverse := self.inverse()) is None:
+            return None
+        return passive_motion(inverse[:, -self.idle :].dot(moved), self.partition)
+
 
 def _gone_by(problem: ClosureProblem, point: Closed, moves: Array) -> Closed:
     """Return the pose that moves (m_p,) of the passive joints lead to, without dimension."""
-    partition = problem.partition
-    v = np.zeros(partition.column_scale.size)
-    v[partition.passive] = moves * partition.passive_scale
+    v = passive_motion(moves, problem.partition)
     return closed_point(problem, problem.integrate(point.q, v), point.iterations + 1)
 
 

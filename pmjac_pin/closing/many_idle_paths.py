@@ -19,7 +19,7 @@ from pmjac_pin.closing.idle_way import (
     UNRESOLVED,
     parts_of,
 )
-from pmjac_pin.closing.many_paths import Paths
+from pmjac_pin.closing.many_paths import Paths, covered
 from pmjac_pin.model.coordinates import JointCoordinates
 from pmjac_pin.rates.rank_bounds import RankBounds
 from pmjac_pin.values.arrays import Array, Index, Mask
@@ -38,14 +38,15 @@ class ManyIdlePaths:
     ----------
     problem : ClosureProblem
     coordinates : JointCoordinates
-    idle, back : Tape
-        `idle_tape` and `return_tape`.
+    idle, back, cover : Tape
+        `idle_tape`, `return_tape` and `cover_tape`.
     """
 
     problem: ClosureProblem
     coordinates: JointCoordinates
     idle: Tape
     back: Tape
+    cover: Tape
 
     def walk(
         self,
@@ -115,6 +116,8 @@ class ManyIdlePaths:
         inputs[:nq], inputs[nq : 2 * nq], inputs[2 * nq :] = end.T, start.T, told[2:]
         before = np.full(len(end), 2.0 * LARGEST_RETURN)
         found = self._steps(inputs, exact & arrived, before, MOST_RETURNS)
+        ways = np.vstack([end.T, inputs])[:, found]
+        found[found] = covered(run(self.cover, ways))
         end[:] = inputs[:nq].T
         return found
 

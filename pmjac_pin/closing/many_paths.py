@@ -191,9 +191,9 @@ class Walker:
             found, good = self._correct(ahead, allowed, displacement[:, going], last)
             steps = [start.q[:, good], found.q, tangent[:, good], found.velocity * stride[good]]
             known = start.inverse[good], found.inverse, own[:, going[good]]
-            covered = self._covers(np.vstack([*steps, *known]))
-            good = good[covered]
-            done, found = going[good], found[covered]
+            proven = covered(run(self.leg, np.vstack([*steps, *known])))
+            good = good[proven]
+            done, found = going[good], found[proven]
             here.put(done, found)
             share[done] = np.where(last[good], 1.0, share[done] + stride[good])
             step[done] = 2.0 * stride[good]
@@ -267,12 +267,12 @@ class Walker:
         good &= found.inverse * found.size * closure.NO_INVERSE < 1.0
         return found[good], np.flatnonzero(good)
 
-    def _covers(self, steps: Array) -> Mask:
-        """Tell which steps are proven regular, as `StepGuard.covers` does, by one of the bounds."""
-        told = run(self.leg, steps).reshape(BOUNDS, 4, -1)
-        change, rho, beyond, contraction = told.swapaxes(0, 1)
-        covered = (MARGIN * contraction < 1.0) & (change < 1.0) & (beyond <= rho)
-        return np.asarray(covered.any(axis=0))
+
+def covered(told: Array) -> Mask:
+    """Tell which steps are proven regular, by one of the bounds, as `leg_tape` tells them."""
+    change, rho, beyond, contraction = told.reshape(BOUNDS, 4, -1).swapaxes(0, 1)
+    by_each = (MARGIN * contraction < 1.0) & (change < 1.0) & (beyond <= rho)
+    return np.asarray(by_each.any(axis=0))
 
 
 def judged(problem: ClosureProblem, paths: Paths, displacement: Array, doubtful: Mask) -> Paths:

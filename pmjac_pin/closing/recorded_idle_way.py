@@ -10,8 +10,10 @@ import numpy as np
 from pmjac_pin.algebra.arrays import Numbers
 from pmjac_pin.algebra.programs import PROGRAMS, Term, objects, zeros
 from pmjac_pin.algebra.tape import Tape
+from pmjac_pin.closing.arms import Arms
 from pmjac_pin.closing.recorded_idle import idle_motions
 from pmjac_pin.closing.recorded_rates import RecordedRates
+from pmjac_pin.closing.recorded_step import LEG_STAGES, leg
 from pmjac_pin.kinematics.joint_steps import arriving, between, moved_by
 from pmjac_pin.rates.sparse_qr import Triangle, norm
 from pmjac_pin.values.arrays import Mask
@@ -62,6 +64,34 @@ def return_tape(loops: RecordedRates, idle: Tape) -> Tape:
         return [*sizes, gap, norm(motions @ left), *ahead]
 
     return loops.recordings.tape("return", 2 * nq + idle.outputs - 2, make)
+
+
+def cover_tape(loops: RecordedRates, arms: Arms, idle: Tape) -> Tape:
+    """Return (q₁, q₂, q₀, N₀) ↦ what `leg_tape` tells of the step from q₁ to q₂.
+
+    These differ by what idles, with the motors at rest: N₀ᵀ x goes straight from its value at the
+    one to that at the other. Of N₀ the entries that `idle_tape` gives.
+    """
+    nq, tree = loops.recorder.nq, loops.recorder.tree
+
+    def make(inputs: Sequence[Term]) -> list[Any]:
+        *poses, start, given = np.split(objects(inputs), [nq, 2 * nq, 3 * nq])
+        scale, none = loops.partition.column_scale, zeros(loops.recorder.nv, 1)
+        rows = [loops.scaled(loops.recorder.at(q.tolist()).rates) for q in poses]
+        triangles = [Triangle.of(matrix[:, loops.kept], loops.kept.size) for matrix in rows]
+        motions = [idle_motions(matrix, loops.idle)[0] for matrix in rows]
+        at_start = motions[0].copy()
+        at_start[_changing(motions[0])] = given
+        ways = [at_start.T @ (between(PROGRAMS, tree, start, q) / scale) for q in poses]
+        rates = []
+        for q, own in zip(poses, motions, strict=True):
+            _, inverse = _way_back(loops, (start, q), none, own, at_start)
+            rates.append(own @ (inverse @ (ways[1] - ways[0])) * scale)
+        inverses = [triangle.inverse_norm() for triangle in triangles]
+        return leg(loops, arms, [*np.concatenate([*poses, *rates]), *inverses])
+
+    count = 3 * nq + idle.outputs - 2
+    return loops.recordings.tape("cover", count, make, LEG_STAGES)
 
 
 def _changing(motions: Numbers) -> Mask:

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from pmjac_pin.algebra.programs import Term
     from pmjac_pin.algebra.recordings import Recordings
     from pmjac_pin.algebra.tape import Tape
+    from pmjac_pin.closing.arms import Arms
     from pmjac_pin.closing.blueprint import Blueprint
     from pmjac_pin.closing.design_homes import DesignsOfFile
     from pmjac_pin.closing.one_path import Ahead, OnePath
@@ -158,22 +159,31 @@ class RecordedMechanism:
     @cached_property
     def walking(self) -> tuple[Tape, Tape, Tape]:
         """What a `Walker` of many paths takes: moves, arrivals and legs."""
-        from pmjac_pin.closing.arms import arms_of  # noqa: PLC0415
         from pmjac_pin.closing.recorded_step import leg_tape  # noqa: PLC0415
 
-        parts, rates = self._parts, self.rates
-        arms = arms_of(parts.model, parts.spec.loops, parts.values)
-        return rates.move_tape(), rates.arrival_tape(), leg_tape(rates, arms)
+        rates = self.rates
+        return rates.move_tape(), rates.arrival_tape(), leg_tape(rates, self._arms)
 
     @cached_property
-    def idling(self) -> tuple[Tape, Tape] | None:
+    def _arms(self) -> Arms:
+        from pmjac_pin.closing.arms import arms_of  # noqa: PLC0415
+
+        parts = self._parts
+        return arms_of(parts.model, parts.spec.loops, parts.values)
+
+    @cached_property
+    def idling(self) -> tuple[Tape, Tape, Tape] | None:
         """What `ManyIdlePaths` takes; None where nothing idles."""
         if not self.rates.idle:
             return None
-        from pmjac_pin.closing.recorded_idle_way import idle_tape, return_tape  # noqa: PLC0415
+        from pmjac_pin.closing.recorded_idle_way import (  # noqa: PLC0415
+            cover_tape,
+            idle_tape,
+            return_tape,
+        )
 
         idle = idle_tape(self.rates)
-        return idle, return_tape(self.rates, idle)
+        return idle, return_tape(self.rates, idle), cover_tape(self.rates, self._arms, idle)
 
     @cached_property
     def ellipsoids(self) -> Tape:
