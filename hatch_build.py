@@ -62,12 +62,12 @@ def build(target: Path, source: Path, *included: Path) -> str:
         try:
             done = subprocess.run(command, capture_output=True, text=True, check=False)
         except OSError as error:
-            failed[" ".join(compiler.command)] = str(error)
+            failed[" ".join([*compiler.command, *more])] = str(error)
             continue
         if not done.returncode:
             draft.replace(target)
             return ""
-        failed[" ".join(compiler.command)] = done.stderr
+        failed[" ".join([*compiler.command, *more])] = done.stderr
     told = "\n".join(f"{command}: {why}" for command, why in failed.items())
     return told or f"no C compiler: none is called {', '.join(COMPILERS['NAMES'])}"
 

@@ -9,7 +9,8 @@ from test_batch import NAMES, machine, targets
 from test_filled_again import equal
 
 import pmjac_pin as pj
-from pmjac_pin.batches.pieces import PIECE
+from pmjac_pin.batches import filled_again
+from pmjac_pin.batches.pieces import PIECE, Wanted
 
 CALLS = ("ellipsoids", "measures")
 
@@ -62,6 +63,22 @@ def test_what_cannot_be_filled_is_refused_and_stays(rng):
         with pytest.raises(pj.ArgumentError, match="`out`"):
             many.ellipsoids_at(values, out=out)
     assert many.ellipsoids_at(values, out=(poses, found))[0] is poses
+
+
+def test_whoever_interrupts_leaves_what_is_to_be_filled(rng, monkeypatch):
+    many = pj.batch(machine("five_bar"))
+    values = targets(many.mechanism, 20, 0.2, rng)
+    out = many.ellipsoids_at(values)
+
+    def interrupt(*given):
+        raise KeyboardInterrupt
+
+    for place, name in ((filled_again, "_check_to_be_filled"), (Wanted, "renew")):
+        with monkeypatch.context() as context:
+            context.setattr(place, name, interrupt)
+            with pytest.raises(KeyboardInterrupt):
+                many.ellipsoids_at(values, out=out)
+        assert many.ellipsoids_at(values, out=out)[0] is out[0]
 
 
 def test_an_interrupt_keeps_both(rng):

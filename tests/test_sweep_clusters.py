@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import threading
+import time
 
 import numpy as np
 import pytest
@@ -58,21 +59,24 @@ def test_processes(expected, tmp_path):
 
 def dies(poses, found):
     """Where it was tried all is well."""
-    if len(poses.q) == 2:
+    if len(poses.q) == 2 and poses.joint("theta1")[0] > 0.83:
         os._exit(1)
     return poses.share
 
 
 @pytest.mark.slow
-def test_a_process_that_dies(tmp_path):
+@pytest.mark.parametrize("seconds", [0.0, 1.0])
+def test_a_process_that_dies(seconds, tmp_path):
+    """Also where others are to be handed chunks that hears of it, having been busy."""
     with pytest.raises(pj.WorkerError, match="has ended before it has answered"):
         pj.sweep(
             "four_bar",
-            {"theta1": np.linspace(0.8, 1.1, 4)},
+            {"theta1": np.linspace(0.8, 1.1, 41)},
             measures={"mine": dies},
             out=tmp_path / "store.zarr",
             chunk=2,
             workers=2,
+            progress=lambda *done: time.sleep(seconds),
         )
 
 

@@ -192,6 +192,22 @@ def test_many_at_once_are_what_single_calls_say(name, rng):
     assert not differing, "\n".join(differing)
 
 
+@pytest.mark.parametrize("name", ["agile_eye", "delta_rods", "sarrus"])
+def test_what_is_arrived_at_right_behind_an_end_is_singular(name, rng):
+    """Paths end where all of K* becomes small: behind, nothing is proven, and no J_eq told."""
+    mechanism, many = loaded(name), pj.batch(loaded(name))
+    home = mechanism.home.actuated
+    far = around_home(mechanism, 200, SPREADS[-1], rng)
+    ways = many.close(far, enforce_limits=False)
+    ends = np.flatnonzero(ways.status == pj.Status.STOPPED)[:12]
+    behind = 1.0 + 10.0 ** -np.arange(4.5, 7.0, 0.25)
+    shares = (behind * ways.share[ends][:, None]).ravel()
+    targets = home + shares[:, None] * np.repeat(far[ends] - home, behind.size, axis=0)
+    poses, found = many.ellipsoids_at(targets, enforce_limits=False)
+    assert (poses.status == pj.Status.CLOSED).any()
+    assert not ((poses.status == pj.Status.CLOSED) & (found.status == pj.Status.CLOSED)).any()
+
+
 @pytest.mark.parametrize("program", [recorded, unrecorded])
 def test_a_singular_target_is_reached_wherever_the_step_before_has_ended(program):
     """Within 1e-6 of singular all along the last 1e-9 of the way, and 1e-4 m wide."""

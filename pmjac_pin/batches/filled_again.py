@@ -21,30 +21,42 @@ from pmjac_pin.values.arrays import Array, ReadOnlyArrays
 Shapes: TypeAlias = Mapping[str, tuple[int, ...]]
 
 
-class Memory(NamedTuple):
-    """The arrays that a result shows, and their shapes, by their names."""
+class Shown(NamedTuple):
+    """The arrays that a result shows, and their shapes, by their names.
+
+    While a call fills them it is the one value in `filled_by`.
+    """
 
     arrays: Mapping[str, NDArray[Any]]
     shapes: Shapes
+    filled_by: dict[None, object]
 
 
-_MEMORY: WeakKeyDictionary[ReadOnlyArrays, Memory] = WeakKeyDictionary()
+_SHOWN: WeakKeyDictionary[ReadOnlyArrays, Shown] = WeakKeyDictionary()
 
 
-def note_memory(result: ReadOnlyArrays, memory: Memory) -> None:
+def note_shown(result: ReadOnlyArrays, shown: Shown) -> None:
     """Note what a result shows, so that it can be filled again."""
-    _MEMORY[result] = memory
+    _SHOWN[result] = shown
 
 
-def memory_of(
+def let_go(out: ReadOnlyArrays, call: object) -> None:
+    """Leave to others what a call has filled, if it was this one."""
+    shown = _SHOWN.get(out)
+    if shown is not None and shown.filled_by.get(None) is call:
+        shown.filled_by.clear()
+
+
+def shown_by(
     out: ReadOnlyArrays,
     kind: type[ReadOnlyArrays],
     shapes: Shapes,
     given: Sequence[Array],
-) -> Memory:
+    call: object,
+) -> Shown:
     """Take the arrays of a result that is to be filled again, or say why they cannot be.
 
-    They are nobody else's until `note_memory` is told that they are filled.
+    They are this call's until `let_go` is told so.
 
     Parameters
     ----------
@@ -55,6 +67,8 @@ def memory_of(
         Of its arrays.
     given : sequence of ndarray
         What is read while they are filled.
+    call : object
+        Who fills them.
 
     Raises
     ------
@@ -62,29 +76,29 @@ def memory_of(
     """
     if type(out) is not kind:
         raise ArgumentError(f"`out` is a {kind.__name__} to be filled again, got {quoted(out)}")
-    if (memory := _MEMORY.pop(out, None)) is None:
+    shown = _SHOWN.get(out)
+    if shown is not None:
+        _check_to_be_filled(shown, shapes, given)
+    # One step, which no other thread divides: whoever is first has them.
+    if shown is None or shown.filled_by.setdefault(None, call) is not call:
         raise ArgumentError(
             f"`out` is a {kind.__name__} as a call has returned it; the arrays of this one, which "
             "was made by hand, copied or unpickled, or is being filled by another call, stay as "
             "they are"
         )
-    try:
-        _check_to_be_filled(memory, shapes, given)
-    except ArgumentError:
-        note_memory(out, memory)
-        raise
-    return memory
+    return shown
 
 
-def _check_to_be_filled(memory: Memory, shapes: Shapes, given: Sequence[Array]) -> None:
-    if memory.shapes is not shapes:
+def _check_to_be_filled(shown: Shown, shapes: Shapes, given: Sequence[Array]) -> None:
+    if shown.shapes is not shapes:
         for name, shape in shapes.items():
-            if (found := memory.shapes[name]) != shape:
+            if (found := shown.shapes[name]) != shape:
                 raise ArgumentError(f"`out` with a {name} of shape {shape} expected, got {found}")
-    arrays = memory.arrays.values()
+    arrays = shown.arrays.values()
     for one in given:
         # What owns its memory lies where nothing else does.
-        if not one.flags.owndata and any(map(partial(np.may_share_memory, one), arrays)):
+        owns = one.flags.owndata and all(one is not array for array in arrays)
+        if not owns and any(map(partial(np.may_share_memory, one), arrays)):
             raise ArgumentError(
                 "`out` lies where what is given lies, which would be written over while it is "
                 "read; give a copy of the one, or another `out`"

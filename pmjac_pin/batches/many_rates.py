@@ -75,11 +75,12 @@ class ManyRates:
         ndarray, ndarray of bool
             Shapes (k, N), of what the tape gives behind J_eq, and (N,).
         """
-        if self._kernel is None or (radii and self._radii is None):
-            sizes, certain = self._by_numpy(poses, J_eq)
-            if radii:
-                fill_radii(J_eq, sizes, *radii)
+        if radii and (self._kernel is None or self._radii is None):
+            sizes, certain = self.fill(poses, J_eq)
+            fill_radii(J_eq, sizes, *radii)
             return sizes, certain
+        if self._kernel is None:
+            return self._by_numpy(poses, J_eq)
         count, entries = len(poses), J_eq.shape[1] * J_eq.shape[2]
         others = np.empty((self._tape.outputs - DOUBTS - entries, count))
         certain, rows = np.empty(count, dtype=bool), np.ascontiguousarray(poses)

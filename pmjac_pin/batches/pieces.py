@@ -18,7 +18,7 @@ from typing import Any, Generic, NamedTuple, TypeAlias, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from pmjac_pin.batches.filled_again import Memory, Shapes, memory_of, note_memory
+from pmjac_pin.batches.filled_again import Shapes, Shown, let_go, note_shown, shown_by
 from pmjac_pin.batches.results import Status, empty_arrays, say_nothing
 from pmjac_pin.errors import ArgumentError, Interrupted, quoted
 from pmjac_pin.values.arrays import Array, Mask, ReadOnlyArrays, sealed
@@ -108,8 +108,8 @@ class Wanted(Generic[Results]):
     ) -> None:
         self._kind, self._shapes, self._out, self._more = kind, shapes, out, more
 
-    def taken(self, given: Sequence[Array]) -> tuple[Results, Memory]:
-        """Return the results and what they show, which nobody else fills.
+    def taken(self, given: Sequence[Array], call: object) -> tuple[Results, Shown]:
+        """Return the results and what they show, which nobody but this call fills.
 
         Raises
         ------
@@ -119,8 +119,16 @@ class Wanted(Generic[Results]):
         if self._out is None:
             arrays = empty_arrays(self._shapes)
             shown = {name: sealed(array) for name, array in arrays.items()}
-            return self._kind(**shown, **self._more), Memory(arrays, self._shapes)
-        return self._out, memory_of(self._out, self._kind, self._shapes, given)
+            result = self._kind(**shown, **self._more)
+            seen = Shown(arrays, self._shapes, {})
+            note_shown(result, seen)
+            return result, seen
+        return self._out, shown_by(self._out, self._kind, self._shapes, given, call)
+
+    def let_go(self, call: object) -> None:
+        """Leave results that are filled again to others, if this call has taken them."""
+        if isinstance(self._out, self._kind):
+            let_go(self._out, call)
 
     def renew(self) -> None:
         """Let results that are filled again say what they are made with now."""
@@ -153,15 +161,13 @@ def gathered_together(
 ) -> tuple[Any, ...]:
     """Return several results of the same poses, each piece of all of them at a time."""
     check_callable(how.progress, "progress")
-    threads = thread_count(how.threads)
-    taken: list[tuple[Any, Memory]] = []
+    threads, call = thread_count(how.threads), object()
     try:
-        for one in wanted:
-            taken.append(one.taken(how.given))
+        taken = [one.taken(how.given, call) for one in wanted]
         for one in wanted:  # none of them was refused
             one.renew()
         results = tuple(result for result, _ in taken)
-        filling = _Filling([array for _, memory in taken for array in memory.arrays.values()], work)
+        filling = _Filling([array for _, shown in taken for array in shown.arrays.values()], work)
         try:
             filling.fill(threads, how.progress)
         except BaseException as stopped:
@@ -171,8 +177,8 @@ def gathered_together(
                 raise interrupted(told, done) from None
             raise
     finally:
-        for result, memory in taken:
-            note_memory(result, memory)
+        for one in wanted:
+            one.let_go(call)
     return results
 
 

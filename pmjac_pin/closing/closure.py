@@ -74,7 +74,7 @@ def follow(
         q ↦ q with the motors at their targets, exactly.
     """
     partition = problem.partition
-    way = _Way(problem, guard, displacement, target)
+    way = _StraightWay(problem, guard, displacement, target)
     if way.length() > MOST_STEPS * LARGEST_STEP * partition.length:
         return Followed(start, 0.0, 0, spent=True)
     if is_singular(start, partition):
@@ -82,7 +82,7 @@ def follow(
     return _arrived(way, way.walked(start, ends_path))
 
 
-class _Way(NamedTuple):
+class _StraightWay(NamedTuple):
     """Where the motors are led to, and along which displacement (n,)."""
 
     problem: ClosureProblem
@@ -90,7 +90,7 @@ class _Way(NamedTuple):
     displacement: Array
     target: Callable[[Array], Array]
 
-    def from_share(self, share: float) -> _Way:
+    def from_share(self, share: float) -> _StraightWay:
         """Return what is left of it."""
         return self._replace(displacement=(1.0 - share) * self.displacement)
 
@@ -160,7 +160,7 @@ def _is_weak(point: Closed, partition: Partition) -> bool:
     return bool(rank) and not point.factors.exceeds(rank, least)
 
 
-def _arrived(way: _Way, ended: Followed) -> Followed:
+def _arrived(way: _StraightWay, ended: Followed) -> Followed:
     """Return the target itself, when it is singular and the path ended right beside it.
 
     How long the steps were decides where a path ends within what counts as singular: so whether it
@@ -170,16 +170,20 @@ def _arrived(way: _Way, ended: Followed) -> Followed:
     rest = way.from_share(ended.share)
     if ended.share == 1.0 or rest.length() > HARDLY_ANYTHING * partition.length:
         return ended
-    nearest, found = ended.point, None
-    if is_invertible(nearest, partition):
-        onward = rest.walked(nearest, _nowhere)
-        nearest, rest = onward.point, rest.from_share(onward.share)
-        found = nearest if onward.share == 1.0 else None
-    if found is None and rest.length() <= _NOTHING * partition.length:
-        found = beside(problem, nearest.q, way.target(nearest.q))
-    if found is None or not (is_singular(found, partition) or _is_weak(found, partition)):
+    onward = Followed(ended.point, 0.0, 0)
+    if is_invertible(ended.point, partition):
+        onward = rest.walked(ended.point, _nowhere)
+    iterations = ended.iterations + onward.iterations
+    if onward.share == 1.0:
+        weak = is_singular(onward.point, partition) or _is_weak(onward.point, partition)
+        return Followed(onward.point, 1.0, iterations) if weak else ended
+    if rest.from_share(onward.share).length() > _NOTHING * partition.length:
         return ended
-    return Followed(found, 1.0, ended.iterations + found.iterations)
+    # Nothing is proven of what lies here: no pose that is not singular itself comes of it.
+    found = beside(problem, onward.point.q, way.target(onward.point.q))
+    if found is None or not is_singular(found, partition):
+        return ended
+    return Followed(found, 1.0, iterations + found.iterations)
 
 
 def _nowhere(before: Closed, point: Closed, partition: Partition) -> bool:

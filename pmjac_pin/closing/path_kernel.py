@@ -5,7 +5,7 @@ from __future__ import annotations
 import ctypes
 import threading
 from functools import cache
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
@@ -26,6 +26,7 @@ _SOURCES = (
 )
 
 _Number = ctypes.c_double
+Library = TypeVar("Library", bound=ctypes.CDLL)
 
 
 @cache
@@ -35,13 +36,21 @@ def path_kernel() -> ctypes.PyDLL | None:
     Its calls take microseconds: other threads wait, instead of taking over in each of them.
     """
     library = loaded("closing/_path_kernel.so", *_SOURCES)
-    return None if library is None else ctypes.PyDLL(library._name, handle=library._handle)
+    if library is None:
+        return None
+    return _typed(ctypes.PyDLL(library._name, handle=library._handle))
 
 
 @cache
 def many_paths_kernel() -> ctypes.CDLL | None:
     """Return the kernel of many lanes, None where none was built; it lets other threads run."""
-    return loaded("closing/_many_paths.so", "closing/many_paths.c", *_SOURCES)
+    library = loaded("closing/_many_paths.so", "closing/many_paths.c", *_SOURCES)
+    return None if library is None else _typed(library)
+
+
+def _typed(library: Library) -> Library:
+    library.pmjac_set_out.argtypes = library.pmjac_walk.argtypes = (POINTER, COUNT)
+    return library
 
 
 class ProgramStruct(ctypes.Structure):

@@ -39,9 +39,10 @@ INLINE void put_radii(
 /* Of J_eq (count, 6, motors): the radii (count, 3) of the linear and the angular block, beside
  * sizes (2, count). Returns 0, or 1 where there is no memory. */
 int pmjac_radii(
-    const double *J_eq, int64_t motors, int64_t count, const double *sizes, const Nothing *nothing,
+    const double *J_eq, int64_t motors, int64_t count, const double *sizes, const void *zero,
     double *linear, double *angular)
 {
+    const Nothing *nothing = zero;
     int64_t many = motors < 3 ? motors : 3, length = motors < 3 ? 3 : motors, entries = 3 * motors;
     const int64_t places[3] = {0, 1, 2};
     double *radii[2] = {linear, angular};

@@ -7,7 +7,7 @@ from functools import cache
 
 import numpy as np
 
-from pmjac_pin.algebra.c_kernels import address, loaded
+from pmjac_pin.algebra.c_kernels import COUNT, POINTER, address, loaded
 from pmjac_pin.algebra.singular_values import singular_values
 from pmjac_pin.rates.ellipse import FLATNESS_TOLERANCE, flattened
 from pmjac_pin.rates.tool_reach import RADIUS_ROUNDING
@@ -43,8 +43,7 @@ def radii_kernel() -> ctypes.CDLL | None:
     sources = ("rates/many_radii.c", "algebra/singular_values.c", "algebra/lanes.h")
     library = loaded("rates/_many_radii.so", *sources)
     if library is not None:
-        pointer, number = ctypes.c_void_p, ctypes.c_int64
-        library.pmjac_radii.argtypes = [pointer, number, number, *[pointer] * 4]
+        library.pmjac_radii.argtypes = [POINTER, COUNT, COUNT, *[POINTER] * 4]
     return library
 
 

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from pmjac_pin.algebra.c_kernels import address, loaded
+from pmjac_pin.algebra.c_kernels import COUNT, POINTER, address, loaded
 from pmjac_pin.algebra.tape import Tape
 from pmjac_pin.values.arrays import Array, Complex, aligned
 
@@ -17,7 +17,7 @@ _STEPS_IN_A_CALL = 64  # of each lane: some ten milliseconds, in which nothing c
 _POINTS_OF_MEMORY = 9
 _LANE = 5  # numbers of 8 bytes of a lane, the path first
 
-_Number, _Count, _Pointer = ctypes.c_double, ctypes.c_int64, ctypes.c_void_p
+_Number = ctypes.c_double
 
 
 class StepRules(NamedTuple):
@@ -51,7 +51,10 @@ def curve_kernel() -> ctypes.CDLL | None:
     """Return the kernel, None where none was built; it lets other threads run."""
     folder = "studies/homotopy"
     sources = (f"{folder}/curve_kernel.c", "algebra/tape_kernel.c", "algebra/lanes.h")
-    return loaded(f"{folder}/_curve_kernel.so", *sources)
+    library = loaded(f"{folder}/_curve_kernel.so", *sources)
+    if library is not None:
+        library.pmjac_follow.argtypes = (POINTER, COUNT)
+    return library
 
 
 class CurveInLanes:
@@ -87,7 +90,7 @@ class CurveInLanes:
         walk.most_steps, walk.corrections = rules.most, rules.corrections
         walk.first_step, walk.smallest_step = rules.first, rules.smallest
         walk.arrived, walk.close, walk.exact = rules.arrived, rules.close, rules.exact
-        while self._library.pmjac_follow(ctypes.byref(walk), ctypes.c_int64(_STEPS_IN_A_CALL)):
+        while self._library.pmjac_follow(ctypes.byref(walk), _STEPS_IN_A_CALL):
             pass
         return points, share
 
@@ -107,10 +110,10 @@ class _Walk(ctypes.Structure):
     """`Walk`."""
 
     _fields_ = (
-        *((name, _Pointer) for name in ("code", "slots", "inputs", "matrix", "memory", "lanes")),
-        *((name, _Pointer) for name in ("points", "share", "planes", "pulls")),
-        *((name, _Count) for name in ("length", "size", "count", "taken")),
-        *((name, _Count) for name in ("most_steps", "corrections")),
+        *((name, POINTER) for name in ("code", "slots", "inputs", "matrix", "memory", "lanes")),
+        *((name, POINTER) for name in ("points", "share", "planes", "pulls")),
+        *((name, COUNT) for name in ("length", "size", "count", "taken")),
+        *((name, COUNT) for name in ("most_steps", "corrections")),
         *((name, _Number) for name in ("first_step", "smallest_step", "arrived")),
         *((name, _Number) for name in ("close", "exact")),
     )

@@ -60,11 +60,11 @@ class Hands:
             A process ends before it has answered.
         """
         waiting: deque[Any] = deque()
-        with self._submit() as submit:
+        with _told_of_workers(), self._submit() as submit:
             for done in range(len(jobs)):
                 while len(waiting) < _WAITING * self.workers and done + len(waiting) < len(jobs):
                     waiting.append(submit(function, *jobs[done + len(waiting)]))
-                yield _answer(waiting.popleft())
+                yield waiting.popleft().result()
                 if self.progress is not None:
                     self.progress(done + 1, len(jobs))
 
@@ -84,9 +84,10 @@ class Hands:
                 pool.shutdown(cancel_futures=True)
 
 
-def _answer(job: Any) -> Any:
+@contextlib.contextmanager
+def _told_of_workers() -> Iterator[None]:
     try:
-        return job.result()
+        yield
     except BrokenExecutor as error:
         raise WorkerError(
             "a process that computes chunks has ended before it has answered: killed, out of "
