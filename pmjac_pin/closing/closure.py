@@ -94,6 +94,12 @@ class _StraightWay(NamedTuple):
         """Return what is left of it."""
         return self._replace(displacement=(1.0 - share) * self.displacement)
 
+    def is_open_midway(self, start: Closed) -> bool:
+        """Tell whether the loops do not close where half of a short way leads."""
+        half = np.zeros(self.problem.partition.column_scale.size)
+        half[self.problem.partition.actuated] = 0.5 * self.displacement
+        return beside(self.problem, start.q, self.problem.integrate(start.q, half)) is None
+
     def length(self) -> float:
         """Return how far it is, m or rad, a rad counted as one length."""
         return norm(self.displacement / self.problem.partition.motor_scale)
@@ -177,7 +183,8 @@ def _arrived(way: _StraightWay, ended: Followed) -> Followed:
     if onward.share == 1.0:
         weak = is_singular(onward.point, partition) or _is_weak(onward.point, partition)
         return Followed(onward.point, 1.0, iterations) if weak else ended
-    if rest.from_share(onward.share).length() > _NOTHING * partition.length:
+    rest = rest.from_share(onward.share)
+    if rest.length() > _NOTHING * partition.length or rest.is_open_midway(onward.point):
         return ended
     # Nothing is proven of what lies here: no pose that is not singular itself comes of it.
     found = beside(problem, onward.point.q, way.target(onward.point.q))

@@ -245,7 +245,7 @@ def _at_least_one(weights: Array) -> bool:
 
     N x = x − 1 < x then (Collatz and Wielandt); and x = 1 + N 1 + N² 1 + … else has no sum.
     """
-    return int(np.count_nonzero(weights >= 1.0)) == weights.size
+    return int(np.count_nonzero((weights >= 1.0) & (weights < np.inf))) == weights.size
 
 
 @cache
