@@ -7,7 +7,8 @@ pseudoinverse, let
 
     |A⁺ (K*(p(s)) − A)| ≤ N,    |η(p(s))| ≤ ρ,    |K*(p(s) ⊕ h) − K*(p(s))| ≤ W    for |h| ≤ 2τ
 
-entry by entry, for all s, and τ = (I − N)⁻¹ |A⁺| ρ. Where W τ ≤ ρ and all eigenvalues of
+entry by entry, for all s, and τ = (I − N)⁻¹ |A⁺| ρ, where all eigenvalues of N are below 1: only
+then has that inverse no negative entry, and is τ a bound. Where W τ ≤ ρ and all eigenvalues of
 N + |A⁺| W are below 1 (Perron), Newton's map h − A⁺ η(p(s) ⊕ h) takes |h| ≤ 2τ into itself and
 contracts there: for each s there is exactly one closed pose with |h| ≤ 2τ, K* has rank r at it, and
 at s = 0 and 1 these are q₀ and q₁. So the path runs from q₀ to q₁ within that tube and meets no
