@@ -314,7 +314,10 @@ def test_a_target_just_before_a_fold_is_on_this_mode_or_not_told(radius):
             assert "not told apart" in str(error)
             refused += 1
         else:
-            assert pose.joint_values["crank"] == pytest.approx(turn, rel=0.1, abs=1e-6)
+            # A turn of the crank opens the loop by radius (1 − cos turn): the gap allows so much.
+            crank, gap = pose.joint_values["crank"], pose.residual_norm + 1e-15
+            assert crank > 0.0
+            assert abs(crank**2 - turn**2) <= 2.0 * gap / radius
     assert refused < 7
 
 
