@@ -96,6 +96,8 @@ def test_dask(expected, tmp_path):
         assert_said(client)
 
 
+# Ray forks, and then runs another program; JAX, where a test before has imported it, warns of that.
+@pytest.mark.filterwarnings(r"ignore:os\.fork\(\) was called:RuntimeWarning")
 @pytest.mark.slow
 def test_ray(expected, tmp_path):
     ray = pytest.importorskip("ray")
