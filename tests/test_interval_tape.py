@@ -7,7 +7,15 @@ from itertools import product
 import mpmath
 import numpy as np
 import pytest
-from test_intervals import NASTY, check_ranges, holds, members, nasty_angles, random_intervals
+from test_intervals import (
+    NASTY,
+    check_ranges,
+    holds,
+    intervals_of_angles,
+    members,
+    nasty_angles,
+    random_intervals,
+)
 
 from pmjac_pin.algebra.intervals import Intervals
 from pmjac_pin.algebra.programs import Recording
@@ -101,10 +109,7 @@ def test_sine_and_cosine_are_off_by_less_than_half_of_what_is_allowed(name, rng)
 
 @pytest.mark.parametrize("name", ["cos", "sin"])
 def test_sine_and_cosine_of_intervals_are_their_ranges(name, rng):
-    nasty = nasty_angles()
-    lower = np.concatenate([rng.uniform(-30, 30, 1000), rng.choice(nasty, 1000)])
-    widths = np.concatenate([rng.uniform(0, 7, 1000), 10.0 ** rng.uniform(-17, 0, 1000)])
-    angles = Intervals(lower, lower + widths)
+    angles = intervals_of_angles(rng)
     check_ranges(name, angles, over(lambda x: x.recording.term(name, x), angles))
 
 

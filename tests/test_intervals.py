@@ -140,12 +140,16 @@ def check_ranges(name, angles, result):
         assert float(min(values)) - result.lower[k] < 1e-14
 
 
+def intervals_of_angles(rng):
+    """Wide and narrow ones, a third of them at multiples of a right angle and beside."""
+    lower = np.concatenate([rng.uniform(-30, 30, 2000), rng.choice(nasty_angles(), 1000)])
+    widths = np.concatenate([rng.uniform(0, 7, 1500), 10.0 ** rng.uniform(-17, 0, 1500)])
+    return Intervals(lower, lower + widths)
+
+
 @pytest.mark.parametrize("name", ["cos", "sin"])
 def test_sine_and_cosine_of_intervals_are_their_ranges(name, rng):
-    nasty = nasty_angles()
-    lower = np.concatenate([rng.uniform(-30, 30, 2000), rng.choice(nasty, 1000)])
-    widths = np.concatenate([rng.uniform(0, 7, 1500), 10.0 ** rng.uniform(-17, 0, 1500)])
-    angles = Intervals(lower, lower + widths)
+    angles = intervals_of_angles(rng)
     check_ranges(name, angles, getattr(angles, name)())
 
 
