@@ -43,7 +43,8 @@ class Followed(NamedTuple):
     """Where a path ended: at its target when `share` is 1.
 
     `spent` where it is so long that its steps were used up; `strayed` is where motors were led to
-    that loops forbid to move so (`over_actuation`).
+    that loops forbid to move so (`over_actuation`). Not `proven` where the target is singular, and
+    so near to it nothing tells which of the modes that meet there has led to it.
     """
 
     point: Closed
@@ -51,6 +52,7 @@ class Followed(NamedTuple):
     iterations: int
     spent: bool = False
     strayed: Array | None = None
+    proven: bool = True
 
 
 def follow(
@@ -190,7 +192,7 @@ def _arrived(way: _StraightWay, ended: Followed) -> Followed:
     found = beside(problem, onward.point.q, way.target(onward.point.q))
     if found is None or not is_singular(found, partition):
         return ended
-    return Followed(found, 1.0, iterations + found.iterations)
+    return Followed(found, 1.0, iterations + found.iterations, proven=False)
 
 
 def _nowhere(before: Closed, point: Closed, partition: Partition) -> bool:
