@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Literal, TypeAlias
 import numpy as np
 
 from pmjac_pin.closing.closed import closed_point
-from pmjac_pin.closing.closure import MOST_STEPS, Followed, follow
 from pmjac_pin.closing.closure_problem import ClosureProblem
 from pmjac_pin.closing.damped_closure import Assembled, assemble, motor_weights
 from pmjac_pin.closing.held_motors import assemble_held
 from pmjac_pin.closing.motor_values import MotorValues, by_joint, motor_values
 from pmjac_pin.closing.over_actuation import ties_in_words, walk_led
+from pmjac_pin.closing.straight_path import MOST_STEPS, Followed, follow
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import ArgumentError, ClosureError
 from pmjac_pin.model.limits import Violation, enforced, limit_error

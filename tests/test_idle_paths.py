@@ -17,7 +17,7 @@ from scipy.spatial.transform import Rotation
 from test_batch import targets
 
 import pmjac_pin as pj
-from pmjac_pin.closing import closure
+from pmjac_pin.closing import straight_path
 from pmjac_pin.closing.path_kernel import many_paths_kernel
 
 SAME = 1e-11  # of the length, or rad
@@ -140,7 +140,7 @@ def test_steps_of_any_length_lead_to_one_pose(name, rng, monkeypatch):
     mechanism = unrecorded(machine(name))
     values = targets(mechanism, 5, 0.6, rng)
     q, shares = singles(mechanism, values)
-    monkeypatch.setattr(closure, "LARGEST_STEP", 0.04)
+    monkeypatch.setattr(straight_path, "LARGEST_STEP", 0.04)
     again, shares_again = singles(mechanism, values)
     arrived = (shares == 1.0) & (shares_again == 1.0)
     assert np.count_nonzero(arrived) > 2

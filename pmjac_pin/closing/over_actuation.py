@@ -14,9 +14,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from pmjac_pin.closing.closed import Closed, closed_point
-from pmjac_pin.closing.closure import Followed, beside, follow
 from pmjac_pin.closing.closure_problem import ROUNDING, ClosureProblem
 from pmjac_pin.closing.step_guard import StepGuard
+from pmjac_pin.closing.straight_path import Followed, beside, follow
 from pmjac_pin.model.coordinates import JointCoordinates
 from pmjac_pin.values.arrays import Array, Index, norm
 from pmjac_pin.values.ties import pivots
