@@ -144,7 +144,7 @@ class StepGuard:
         if aside is not None:
             beyond = left_out + self._bends.within(motion, aside) * partition.scale
             seen = start.scaled, scaled, end.scaled
-            open_by += _largest(seen, beyond).dot(aside / partition.column_scale)
+            open_by += _largest_entries(seen, beyond).dot(aside / partition.column_scale)
         changes = straight, middle - 0.5 * straight
         left_out = left_out.take(passive, axis=1)
         return _ScaledStep(partition, motion, inverse, changes, left_out, open_by, aside)
@@ -243,7 +243,7 @@ class StepGuard:
         return bound if mixed is None else bound.dot(mixed)
 
 
-def _largest(seen: tuple[Array, Array, Array], beyond: Array) -> Array:
+def _largest_entries(seen: tuple[Array, Array, Array], beyond: Array) -> Array:
     """Return sizes of [K K*] on a step at most: of the parabola through three, and beyond it."""
     start, middle, end = seen
     sizes: Array = np.maximum.reduce([np.abs(start), middle, -middle, np.abs(end)])
