@@ -97,7 +97,7 @@ class WalkStruct(ctypes.Structure):
         *((name, ProgramStruct) for name in ("move", "arrival", "leg")),
         *((name, POINTER) for name in ("point", "lanes", "common", "learnt")),
         ("inverse", _Number),
-        *((name, POINTER) for name in ("start", "displacement", "target", "design")),
+        *((name, POINTER) for name in ("start", "displacement", "target", "ways", "design")),
         *(
             (name, COUNT)
             for name in ("designed", "apart", "count", "taken", "most_tries", "few", "patience")
@@ -105,6 +105,7 @@ class WalkStruct(ctypes.Structure):
         ("busy", COUNT),
         ("arrived", COUNT),
         *((name, POINTER) for name in ("q", "gap", "share", "iterations", "end")),
+        *((name, POINTER) for name in ("follow", "given")),
     )
 
 
