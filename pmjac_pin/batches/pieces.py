@@ -99,13 +99,20 @@ class Filling:
 
     def fill(self, threads: int, progress: Progress | None) -> None:
         """Fill the arrays; raise what went wrong in the first of the pieces where something did."""
-        if len(self._left) == 1:  # as small ones are: then each microsecond counts
-            (piece,) = self._left.values()
-            self._work(Piece(piece, self), *self._found)
-            self._left.clear()
-            if progress is not None:
-                progress(self.count, self.count)
-            return
+        if len(self._left) == 1:
+            self._fill_at_once(progress)
+        else:
+            self._fill_by_threads(threads, progress)
+
+    def _fill_at_once(self, progress: Progress | None) -> None:
+        """Fill what is one piece: of so few poses each microsecond counts."""
+        (whole,) = self._left.values()
+        self._work(Piece(whole, self), *self._found)
+        self._left.clear()
+        if progress is not None:
+            progress(self.count, self.count)
+
+    def _fill_by_threads(self, threads: int, progress: Progress | None) -> None:
         told = _Told(progress, self.count, self._ended)
         at_rest = [Event() for _ in range(min(threads, len(self._left)) - 1)]
         helpers: list[int] = []

@@ -56,8 +56,6 @@ def read_only(array: AnyArray) -> AnyArray:
 
 def sealed(array: AnyArray) -> AnyArray:
     """Return an array that stays read-only, without a copy: for what nobody else holds."""
-    if not array.size:
-        return read_only(array)
     return np.asarray(array.data.toreadonly())  # type: ignore[return-value]
 
 
