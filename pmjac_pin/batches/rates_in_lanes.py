@@ -148,8 +148,6 @@ class RatesInLanes:
 @cache
 def rates_kernel() -> ctypes.CDLL | None:
     """Return the kernel that was built from the source beside it, None where there is none."""
-    sources = ("closing/walk.h", "algebra/tape_kernel.c", "algebra/lanes.h")
-    library = loaded("batches/_many_rates.so", "batches/many_rates.c", *sources)
-    if library is not None:
-        library.pmjac_rates.argtypes = [POINTER]
-    return library
+    own = ("batches/many_rates.c", "closing/walk.h")
+    tapes = ("algebra/tape_kernel.c", "algebra/lanes.h")
+    return loaded("batches/_many_rates.so", *own, *tapes, pmjac_rates=(POINTER,))
