@@ -7,6 +7,7 @@ between the two: the length of the rod between what they turn.
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
@@ -15,7 +16,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 from idling_rods import FOLDING_RSSR, rod_of_an_rssr
-from mechanisms import NON_GRASHOF, rocker_rocker, with_motors
+from mechanisms import NON_GRASHOF, with_motors
 
 import pmjac_pin as pj
 from pmjac_pin.closing.over_actuation import lead
@@ -56,9 +57,12 @@ class Tied:
         return np.array([float(there), float(own)])
 
 
-def four_bar():
-    """Its rocker leads, and turns back where crank and coupler are in line."""
-    base, crank, coupler, rocker = map(mp.mpf, NON_GRASHOF)
+def four_bar(lengths, away=None):
+    """Its rocker leads, and turns back where crank and coupler are in line.
+
+    With the catalogue's home, or one where the crank is so far away from there.
+    """
+    base, crank, coupler, rocker = map(mp.mpf, lengths)
 
     def equation(phi, theta):
         x = base + rocker * mp.cos(phi) - crank * mp.cos(theta)
@@ -68,7 +72,32 @@ def four_bar():
     reach = (crank + coupler) ** 2
     phi = mp.acos((reach - base**2 - rocker**2) / (2 * base * rocker))
     theta = mp.atan2(rocker * mp.sin(phi), base + rocker * mp.cos(phi))
-    return Tied(with_motors(rocker_rocker(), ["phi1", "theta1"]), equation, (phi, theta))
+    machine = pj.load("four_bar", dict(zip(("l0", "l1", "l2", "l3"), lengths, strict=True)))
+    home = machine.home.q
+    if away is not None:
+        there = crank * mp.expjpi((theta + away) / mp.pi) - base
+        inner = mp.acos((abs(there) ** 2 + rocker**2 - coupler**2) / (2 * rocker * abs(there)))
+        angles = mp.arg(there) + inner, mp.arg(there) - inner
+        near = min(angles, key=lambda angle: abs(mp.sin((angle - phi) / 2)))
+        home = {"phi1": float(near), "theta1": float(theta + away), "phi2": 0.0}
+    return Tied(with_motors(machine, ["phi1", "theta1"], home=home), equation, (phi, theta))
+
+
+def random_four_bars(rng, count):
+    """Such whose rocker turns back there, and leads from home."""
+    found = []
+    while len(found) < count:
+        lengths = rng.uniform(0.5, 4.0, 4).round(3)
+        base, crank, coupler, rocker = lengths.tolist()
+        turns = abs(base - rocker) + 0.05 < crank + coupler < base + rocker - 0.05
+        if not turns or 2.0 * lengths.max() > lengths.sum() - 0.05:
+            continue
+        away = rng.choice([-1, 1]) * rng.uniform(0.3, 0.8)
+        with contextlib.suppress(pj.ClosureError, TypeError):  # a crank that reaches not so far
+            one = four_bar(lengths.tolist(), away)
+            if lead(one.machine.problem, one.machine.home._point).leading.tolist() == [0]:
+                found.append(one)
+    return found
 
 
 def rssr(body):
@@ -91,7 +120,7 @@ def rssr(body):
 
 
 MACHINES = {
-    "four-bar": four_bar,
+    "four-bar": lambda: four_bar(NON_GRASHOF),
     "rssr, a distance": lambda: rssr(body=False),
     "rssr, a rod": lambda: rssr(body=True),
 }
@@ -103,7 +132,7 @@ def tied(name):
         return MACHINES[name]()
 
 
-@pytest.fixture(params=MACHINES, autouse=True)
+@pytest.fixture(params=MACHINES)
 def one(request):
     with mp.workdps(50):
         yield tied(request.param)
@@ -147,6 +176,28 @@ def test_nearer_than_sides_are_told_apart_it_arrives_or_is_refused(one, gap):
         arrives(one, one.beside(gap))
     except pj.ClosureError as error:
         assert "go there by motor values in between" in str(error)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(2))
+def test_of_any_four_bar(seed):
+    """Where its rocker alone comes near the fold, both together come there on its side of it."""
+    near = 0
+    with mp.workdps(50):
+        for one in random_four_bars(np.random.default_rng(seed), 6):
+            alone = with_motors(one.machine, ["phi1"])
+            for gap in TOLD[1::2] + NEARER:
+                with pytest.raises(pj.ClosureError):
+                    one.machine.close(one.beside(gap, far=True), enforce_limits=False)
+            for gap in TOLD[1::2]:
+                values = one.beside(gap)
+                try:
+                    alone.close(values[:1], enforce_limits=False)
+                except pj.ClosureError:
+                    continue
+                arrives(one, values)
+                near += 1
+    assert near > 4  # of 24
 
 
 def test_at_the_fold_itself_both_sides_are_one(one):
