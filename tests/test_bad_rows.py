@@ -10,6 +10,7 @@ from test_batch import LONGER, NAMES, machine, targets, turning
 import pmjac_pin as pj
 from pmjac_pin.batches.few_poses import FewPoses
 from pmjac_pin.batches.pieces import PIECE
+from pmjac_pin.values.checks import seen_rows
 
 CALLS = ("jacobian", "ellipsoids", "measures")
 BAD = (np.nan, np.inf, -np.inf, 1e10)
@@ -142,3 +143,14 @@ def test_rows_with_names_are_not_taken_by_their_order():
     for rows in ([row for _, row in table.iterrows()], list(table.itertuples(index=False))):
         with pytest.raises(pj.ArgumentError, match="rows with names"):
             many.close(rows)
+
+
+def test_numbers_at_odd_addresses_are_copied(rng):
+    """C reads doubles where doubles may lie."""
+    many = pj.batch(machine("five_bar"))
+    values = targets(many.mechanism, 70, 0.1, rng)
+    odd = np.ndarray(values.shape, float, b"x" + values.tobytes(), 1)
+    assert not odd.flags.aligned
+    assert seen_rows(odd, "values").flags.aligned
+    assert seen_rows(values, "values") is values
+    np.testing.assert_array_equal(many.close(odd).q, many.close(values).q)

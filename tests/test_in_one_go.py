@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import sys
+
 import numpy as np
 import pytest
 from mechanisms import mostly_slow
@@ -116,6 +118,46 @@ def test_whoever_interrupts_leaves_what_is_to_be_filled(rng, monkeypatch):
             with pytest.raises(KeyboardInterrupt):
                 many.ellipsoids_at(values, out=out)
         assert many.ellipsoids_at(values, out=out)[0] is out[0]
+
+
+class Interrupter:
+    """Interrupts where a function of the package is entered or left, for the n-th time."""
+
+    def __init__(self, number):
+        self.left = number
+
+    def __call__(self, frame, event, arg):
+        if "pmjac_pin" not in frame.f_code.co_filename:
+            return None
+        if event in {"call", "return"}:
+            self.left -= 1
+            if not self.left:
+                raise KeyboardInterrupt
+        return self
+
+
+def test_interrupted_at_any_step_it_can_be_filled_again(rng):
+    many = pj.batch(machine("five_bar"))
+    values = targets(many.mechanism, 3, 0.2, rng)
+    out, expected, points = many.ellipsoids_at(values[::-1]), many.ellipsoids_at(values), 0
+    while True:
+        points += 1
+        interrupter, before = Interrupter(points), sys.gettrace()
+        sys.settrace(interrupter)
+        try:
+            many.ellipsoids_at(values, out=out)
+        except KeyboardInterrupt:
+            pass
+        finally:
+            sys.settrace(before)
+        again = many.ellipsoids_at(values, out=out)
+        assert again[0] is out[0]
+        assert again[1] is out[1]
+        if interrupter.left > 0:
+            break
+    assert points > 50
+    for one, other in zip(out, expected, strict=True):
+        equal(one, other)
 
 
 def test_an_interrupt_keeps_both(rng):

@@ -15,10 +15,13 @@ import numpy as np
 import pytest
 
 import pmjac_pin as pj
+from pmjac_pin.batches import pieces
 from pmjac_pin.batches.closing import Closing
 from pmjac_pin.batches.gathering import Manner, Wanted, gathered
 from pmjac_pin.batches.pieces import PIECE, pieces_of
+from pmjac_pin.batches.rest import Rest
 from pmjac_pin.batches.result_shapes import shapes_of
+from pmjac_pin.batches.turn import Turn
 
 COUNT = 40_000
 VALUES = np.array([2.187, 0.954]) + np.random.default_rng(0).uniform(-0.1, 0.1, (COUNT, 2))
@@ -268,3 +271,34 @@ def test_a_second_interrupt_waits_for_what_is_still_written():
     known = raised.value.done.status == pj.Status.CLOSED
     assert (raised.value.done.J_eq[known] == 1.0).all()
     assert np.isnan(raised.value.done.J_eq[~known]).all()
+
+
+def test_what_a_thread_still_writes_to_is_no_other_calls():
+    last, turn, rest = Turn(), Turn(), Rest()
+    last.helpers, last.has_ended, rest.is_busy = [rest], True, True
+    assert not turn.is_behind(last, pj.ManyClosed)
+    rest.reach()
+    assert turn.is_behind(last, pj.ManyClosed)
+    assert not Turn().is_behind(last, pj.ManyClosed)
+    assert Turn().is_behind(last, pj.ManyEllipsoids)  # another result of the same call
+
+
+def test_where_no_thread_can_begin_the_caller_does_all(monkeypatch):
+    """Or as many as can."""
+    count, begin = 5 * PIECE, pieces.start_new_thread
+    for most in (0, 1):
+        begun = []
+
+        def some(*given, most=most, begun=begun):
+            if len(begun) == most:
+                raise RuntimeError("can't start new thread")
+            begun.append(1)
+            return begin(*given)
+
+        monkeypatch.setattr(pieces, "start_new_thread", some)
+
+        def work(piece, J_eq, status):
+            J_eq[:], status[:] = 1.0, 0
+
+        assert (gathered(wanted(count), work, Manner(4)).J_eq == 1.0).all()
+        assert len(begun) == most

@@ -11,25 +11,24 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from operator import is_
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pmjac_pin.batches.result_shapes import ResultShapes
+from pmjac_pin.batches.turn import Turn
 from pmjac_pin.errors import ArgumentError, quoted
 from pmjac_pin.values.arrays import Array, ReadOnlyArrays
 
 
-class Shown(NamedTuple):
-    """The arrays that a result shows, and their shapes, by their names.
-
-    While a call fills them it is the one value in `filled_by`.
-    """
+@dataclass(slots=True, eq=False)
+class Shown:
+    """The arrays that a result shows, and their shapes, by their names; and whose turn it is."""
 
     arrays: Mapping[str, NDArray[Any]]
     shapes: ResultShapes
-    filled_by: dict[None, object]
+    last: Turn
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,23 +52,16 @@ def showing(kind: type[Result], sealed: Mapping[str, NDArray[Any]], shown: Shown
     return result
 
 
-def let_go(out: Refillable, call: object) -> None:
-    """Leave to others what a call has filled, if it was this one."""
-    shown: Shown | None = getattr(out, "_shown", None)
-    if shown is not None and shown.filled_by.get(None) is call:
-        shown.filled_by.clear()
-
-
 def shown_by(
     out: Refillable,
     kind: type[Refillable],
     shapes: ResultShapes,
     given: Sequence[Array],
-    call: object,
+    turn: Turn,
 ) -> Shown:
     """Take the arrays of a result that is to be filled again, or say why they cannot be.
 
-    They are this call's until `let_go` is told so.
+    They are this call's until its turn is over.
 
     Parameters
     ----------
@@ -80,8 +72,8 @@ def shown_by(
         Of its arrays.
     given : sequence of ndarray
         What is read while they are filled.
-    call : object
-        Who fills them.
+    turn : Turn
+        The call's that fills them.
 
     Raises
     ------
@@ -92,13 +84,13 @@ def shown_by(
     shown: Shown | None = getattr(out, "_shown", None)
     if shown is not None:
         _check_to_be_filled(shown, shapes, given)
-    # One step, which no other thread divides: whoever is first has them.
-    if shown is None or shown.filled_by.setdefault(None, call) is not call:
+    if shown is None or not turn.is_behind(shown.last, kind):
         raise ArgumentError(
             f"`out` is a {kind.__name__} as a call has returned it; the arrays of this one, which "
             "was made by hand, copied or unpickled, or is being filled by another call, stay as "
             "they are"
         )
+    shown.last = turn
     return shown
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any, Generic, NamedTuple, TypeVar
 
-from pmjac_pin.batches.filled_again import Refillable, Shown, let_go, showing, shown_by
+from pmjac_pin.batches.filled_again import Refillable, Shown, showing, shown_by
 from pmjac_pin.batches.pieces import (
     Filling,
     PieceWork,
@@ -14,6 +14,7 @@ from pmjac_pin.batches.pieces import (
     thread_count,
 )
 from pmjac_pin.batches.result_shapes import ResultShapes, empty_arrays
+from pmjac_pin.batches.turn import Turn
 from pmjac_pin.values.arrays import Array, sealed
 from pmjac_pin.values.checks import check_callable
 
@@ -62,8 +63,8 @@ class Wanted(Generic[Results]):
     ) -> None:
         self._kind, self._shapes, self._out, self._more = kind, shapes, out, more
 
-    def taken(self, given: Sequence[Array], call: object) -> tuple[Results, Shown]:
-        """Return the results and what they show, which nobody but this call fills.
+    def taken(self, given: Sequence[Array], turn: Turn) -> tuple[Results, Shown]:
+        """Return the results and what they show, which nobody else fills until a turn is over.
 
         Raises
         ------
@@ -72,17 +73,12 @@ class Wanted(Generic[Results]):
         """
         if self._out is None:
             arrays = empty_arrays(self._shapes)
-            shown = Shown(arrays, self._shapes, {})
+            shown = Shown(arrays, self._shapes, turn)
             seen = {name: sealed(array) for name, array in arrays.items()}
             result = showing(self._kind, seen, shown)
             vars(result).update(self._more)
             return result, shown
-        return self._out, shown_by(self._out, self._kind, self._shapes, given, call)
-
-    def let_go(self, call: object) -> None:
-        """Leave results that are filled again to others, if this call has taken them."""
-        if isinstance(self._out, self._kind):
-            let_go(self._out, call)
+        return self._out, shown_by(self._out, self._kind, self._shapes, given, turn)
 
     def renew(self) -> None:
         """Let results that are filled again know what new ones would."""
@@ -115,17 +111,18 @@ def gathered_together(
 ) -> tuple[Any, ...]:
     """Return several results of the same poses, each piece of all of them at a time."""
     check_callable(how.progress, "progress")
-    threads, call = thread_count(how.threads), object()
+    threads, turn = thread_count(how.threads), Turn()
     try:
-        taken = [one.taken(how.given, call) for one in wanted]
+        taken = [one.taken(how.given, turn) for one in wanted]
         for one in wanted:  # none of them was refused
             one.renew()
         results = tuple([result for result, _ in taken])
         arrays = [array for _, shown in taken for array in shown.arrays.values()]
-        _fill(Filling(arrays, work), threads, how.progress, results)
+        filling = Filling(arrays, work)
+        turn.helpers = filling.helpers
+        _fill(filling, threads, how.progress, results)
     finally:
-        for one in wanted:
-            one.let_go(call)
+        turn.has_ended = True
     return results
 
 

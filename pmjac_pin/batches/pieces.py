@@ -12,12 +12,12 @@ from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from itertools import pairwise, repeat
-from threading import Event
 from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
+from pmjac_pin.batches.rest import Rest, wait_for, wait_whatever_happens
 from pmjac_pin.batches.results import Status, say_nothing
 from pmjac_pin.errors import ArgumentError, Interrupted, quoted
 from pmjac_pin.values.arrays import Mask
@@ -25,7 +25,6 @@ from pmjac_pin.values.arrays import Mask
 PIECE = 5120  # poses at most: they fill the kernel's lanes, and some MB
 _BY_ONE = 3072  # poses of a small machine, done as soon as another thread would have begun
 _LANES = 16
-_HEARING = 0.2  # s: what waits for another thread does not hear every signal
 Progress: TypeAlias = Callable[[int, int], object]
 
 
@@ -87,6 +86,14 @@ class Filling:
 
     Threads take the pieces in their order, the caller's own among them. What they share are
     collections, of which each single operation is whole.
+
+    Attributes
+    ----------
+    count : int
+    given_up : bool
+        Whether nobody waits for the pieces any longer.
+    helpers : list of Rest
+        Of the threads besides the caller's.
     """
 
     def __init__(self, found: Sequence[NDArray[Any]], work: PieceWork) -> None:
@@ -96,6 +103,7 @@ class Filling:
         self._ended: deque[int] = deque()
         self._failed: dict[int, Exception] = {}
         self.given_up = False
+        self.helpers: list[Rest] = []
 
     def fill(self, threads: int, progress: Progress | None) -> None:
         """Fill the arrays; raise what went wrong in the first of the pieces where something did."""
@@ -114,21 +122,21 @@ class Filling:
 
     def _fill_by_threads(self, threads: int, progress: Progress | None) -> None:
         told = _Told(progress, self.count, self._ended)
-        at_rest = [Event() for _ in range(min(threads, len(self._left)) - 1)]
-        helpers: list[int] = []
+        self.helpers.extend(Rest() for _ in range(min(threads, len(self._left)) - 1))
+        begun: list[int] = []
         try:
             # Not by `threading`, which waits until each runs: 0.1 ms where a core is to wake. And
-            # at once, so that whoever interrupts finds in `helpers` all that run.
-            if at_rest:
-                helpers.extend(map(start_new_thread, repeat(self._help), zip(at_rest)))
+            # at once, so that whoever interrupts finds in `begun` all that run.
+            with suppress(RuntimeError):  # where no more threads can be, fewer do it
+                begun.extend(map(start_new_thread, repeat(self._help), zip(self.helpers)))
             for _ in self._pieces():
                 told.on()
-            _wait_for(at_rest)
+            wait_for(self.helpers[: len(begun)])
             told.on()
         except BaseException:
             self._waiting.clear()
             self.given_up = True
-            _wait_whatever_happens(at_rest[: len(helpers)])
+            wait_whatever_happens(self.helpers[: len(begun)])
             raise
         for at in sorted(self._failed)[:1]:
             raise self._failed[at]
@@ -137,16 +145,18 @@ class Filling:
 
     def blank(self) -> int:
         """Say of the pieces that are left that they are not done; return how many poses are."""
-        for piece in self._left.values():
+        left = list(self._left.values())
+        for piece in left:
             say_nothing(self._found, piece, Status.NOT_DONE)
-        return self.count - sum(piece.stop - piece.start for piece in self._left.values())
+        return self.count - sum(piece.stop - piece.start for piece in left)
 
-    def _help(self, at_rest: Event) -> None:
+    def _help(self, rest: Rest) -> None:
+        rest.is_busy = True
         try:
             for _ in self._pieces():
                 pass
         finally:
-            at_rest.set()
+            rest.reach()
 
     def _pieces(self) -> Iterator[None]:
         """Fill pieces for as long as there are any; yield after each."""
@@ -182,24 +192,6 @@ class _Told:
             while self._ended:
                 self._done += self._ended.popleft()
             self._progress(self._done, self._count)
-
-
-def _wait_for(at_rest: Sequence[Event]) -> None:
-    for event in at_rest:
-        while not event.wait(_HEARING):
-            pass
-
-
-def _wait_whatever_happens(at_rest: Sequence[Event]) -> None:
-    """Wait for threads that go to their next step, however often somebody interrupts.
-
-    What they still write to is given to others then.
-    """
-    waiting = True
-    while waiting:
-        with suppress(KeyboardInterrupt):
-            _wait_for(at_rest)
-            waiting = False
 
 
 def interrupted(what: str, done: object) -> Interrupted:

@@ -91,7 +91,7 @@ class RatesInLanes:
         )
         self._kept, self._run = memory, library.pmjac_rates
         function = ctypes.cast(library.pmjac_rates, POINTER).value
-        self.following = Following(function, ctypes.addressof(self._struct), self)
+        self.following = Following(function, ctypes.addressof(self._struct), self._struct)
         self._given: object = None
         self._others, self._certain = np.empty(0), np.empty(0, dtype=bool)
 

@@ -59,7 +59,7 @@ def real_numbers(given: object, what: str) -> Array:
 
 def seen_rows(given: object, what: str) -> Array:
     """Return what `real_numbers` does: the caller's own array where that holds doubles already."""
-    if type(given) is np.ndarray and given.dtype == np.float64:
+    if type(given) is np.ndarray and given.dtype == np.float64 and given.flags.aligned:
         return given
     return real_numbers(given, what)
 
