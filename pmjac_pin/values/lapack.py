@@ -60,6 +60,20 @@ def least_squares(matrix: Array, right: Array) -> Array | None:
     return None if failed else solution[: matrix.shape[1]]
 
 
+def inverse_triangle(matrix: Array) -> Array | None:
+    """Return R⁻¹ of A = Q R, A with more rows than columns, or None as `solved`.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> np.abs(inverse_triangle(np.array([[3.0], [4.0]]))).round(9).tolist()
+    [[0.2]]
+    """
+    reflected, *_ = _lapack().dgeqrf(matrix)
+    inverse, failed = _lapack().dtrtri(reflected[: matrix.shape[1]])
+    return None if failed else np.triu(inverse)
+
+
 @functools.cache
 def _lapack() -> Any:
     # When it is first called: to import SciPy takes as long as to import Pinocchio.
