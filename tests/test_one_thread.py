@@ -5,6 +5,7 @@ from threading import Barrier
 
 import pytest
 import threadpoolctl
+from ladder import ladder
 from mechanisms import loaded
 
 import pmjac_pin as pj
@@ -85,3 +86,18 @@ def test_the_last_of_several_that_overlap_gives_them_back(told):
 def test_studies_of_many_small_matrices_have_one(study, told):
     study(loaded("five_bar"))
     assert told == [(1, "blas"), "back"]
+
+
+def test_a_large_machine_has_one_for_its_first_pose_and_for_each_path(told):
+    mechanism = ladder(24)
+    assert told == []
+    home = mechanism.home
+    assert told == [(1, "blas"), "back"]
+    mechanism.close(home.actuated + 0.01)
+    assert told == [(1, "blas"), "back"] * 2
+
+
+def test_of_a_small_one_nothing_is_asked(told):
+    mechanism = pj.load("four_bar")
+    mechanism.close(mechanism.home.actuated + 0.01)
+    assert told == []

@@ -8,9 +8,12 @@ work.
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import AbstractContextManager, nullcontext
 from functools import wraps
 from threading import Lock
 from typing import Any, ParamSpec, TypeVar
+
+_SHARED = 40  # columns: matrices of fewer are hardly shared, and to ask takes a millisecond
 
 Asked = ParamSpec("Asked")
 Found = TypeVar("Found")
@@ -40,7 +43,12 @@ class _OneThread:
                 self._limit.restore_original_limits()
 
 
-_ONE_THREAD = _OneThread()
+_ONE_THREAD, _AS_IT_IS = _OneThread(), nullcontext()
+
+
+def one_thread_from(columns: int) -> AbstractContextManager[None]:
+    """Return what leaves BLAS one thread within, where matrices have so many columns."""
+    return _ONE_THREAD if columns >= _SHARED else _AS_IT_IS
 
 
 def on_one_thread(of: Callable[Asked, Found]) -> Callable[Asked, Found]:
