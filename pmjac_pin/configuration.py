@@ -12,6 +12,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from pmjac_pin.algebra.one_thread import one_thread_from
 from pmjac_pin.closing.closed import Closed, closed_point
 from pmjac_pin.closing.closure_problem import ClosureProblem
 from pmjac_pin.closing.generic_ranks import on_branch_of
@@ -408,13 +409,14 @@ class Configuration(LoadedPose, Shown):
         """The problem of the branch that this pose lies on, and what the loops allow by it."""
         parts, jacobian = self._parts, self._snapshot.constraint_jacobian
         home, here = parts.problem, self._problem
-        if here is None:
-            loops = home.partition.loop_rates(jacobian)
-            if self._known is None:
-                here = on_branch_of(home, parts.kinematics, self.q, loops)
-            if here is None or here is home:
-                return home, loops
-        return here, here.partition.loop_rates(jacobian)
+        with one_thread_from(parts.model.nv):
+            if here is None:
+                loops = home.partition.loop_rates(jacobian)
+                if self._known is None:
+                    here = on_branch_of(home, parts.kinematics, self.q, loops)
+                if here is None or here is home:
+                    return home, loops
+            return here, here.partition.loop_rates(jacobian)
 
     @found_once
     def _snapshot(self) -> Snapshot:

@@ -3,12 +3,14 @@
 from concurrent.futures import ThreadPoolExecutor
 from threading import Barrier
 
+import numpy as np
 import pytest
 import threadpoolctl
 from ladder import ladder
 from mechanisms import loaded
 
 import pmjac_pin as pj
+from pmjac_pin.algebra import one_thread
 from pmjac_pin.algebra.one_thread import on_one_thread
 
 
@@ -29,15 +31,18 @@ def told(monkeypatch):
     """What is asked of BLAS, one after the other: limits, and "back"."""
     asked = []
 
-    class Limits:
-        def __init__(self, limits, user_api):
+    class Libraries:
+        def limit(self, limits, user_api):
             asked.append((limits, user_api))
+            return self
 
         def restore_original_limits(self):
             asked.append("back")
 
-    monkeypatch.setattr(threadpoolctl, "threadpool_limits", Limits)
-    return asked
+    monkeypatch.setattr(threadpoolctl, "ThreadpoolController", Libraries)
+    one_thread._libraries.cache_clear()
+    yield asked
+    one_thread._libraries.cache_clear()
 
 
 @pytest.mark.usefixtures("two_threads")
@@ -88,13 +93,18 @@ def test_studies_of_many_small_matrices_have_one(study, told):
     assert told == [(1, "blas"), "back"]
 
 
-def test_a_large_machine_has_one_for_its_first_pose_and_for_each_path(told):
-    mechanism = ladder(24)
-    assert told == []
-    home = mechanism.home
-    assert told == [(1, "blas"), "back"]
-    mechanism.close(home.actuated + 0.01)
-    assert told == [(1, "blas"), "back"] * 2
+def test_a_large_machine_has_one_for_its_load_its_first_pose_and_each_path(told):
+    machines, asked = [], [0]
+    for step in (
+        lambda: machines.append(ladder(24)),
+        lambda: machines[0].home,
+        lambda: machines[0].close([1.21]),
+        lambda: machines[0].close([1.22]),
+    ):
+        step()
+        asked.append(len(told))
+    assert np.diff(asked).all()
+    assert told == [(1, "blas"), "back"] * (len(told) // 2)
 
 
 def test_of_a_small_one_nothing_is_asked(told):

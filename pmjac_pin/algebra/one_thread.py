@@ -7,13 +7,14 @@ work.
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
-from functools import wraps
+from functools import lru_cache, wraps
 from threading import Lock
 from typing import Any, ParamSpec, TypeVar
 
-_SHARED = 40  # columns: matrices of fewer are hardly shared, and to ask takes a millisecond
+_SHARED = 40  # columns: matrices of fewer are hardly shared
 
 Asked = ParamSpec("Asked")
 Found = TypeVar("Found")
@@ -28,12 +29,10 @@ class _OneThread:
     _limit: Any
 
     def __enter__(self) -> None:
-        # Looked up at each first call: what is imported meanwhile may bring a BLAS of its own.
-        from threadpoolctl import threadpool_limits  # noqa: PLC0415
-
         with self._lock:
             if not self._within:
-                self._limit = threadpool_limits(limits=1, user_api="blas")
+                # What is imported meanwhile may bring a BLAS of its own.
+                self._limit = _libraries(len(sys.modules)).limit(limits=1, user_api="blas")
             self._within += 1
 
     def __exit__(self, *_: object) -> None:
@@ -41,6 +40,14 @@ class _OneThread:
             self._within -= 1
             if not self._within:
                 self._limit.restore_original_limits()
+
+
+@lru_cache(maxsize=1)
+def _libraries(imported: int) -> Any:
+    """Return what sets the threads of all libraries that are loaded: to look takes milliseconds."""
+    from threadpoolctl import ThreadpoolController  # noqa: PLC0415
+
+    return ThreadpoolController()
 
 
 _ONE_THREAD, _AS_IT_IS = _OneThread(), nullcontext()
