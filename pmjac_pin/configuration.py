@@ -307,7 +307,8 @@ class Configuration(LoadedPose, Shown):
         constraint, tool = self._jacobians(self._snapshot, pose.frame)
         problem, loops = self._branch
         partition = problem.partition
-        rates, J_eq = eliminated(tool, partition, loops, self.singularity)
+        with one_thread_from(partition.column_scale.size):
+            rates, J_eq = eliminated(tool, partition, loops, self.singularity)
         J_eq = read_only(J_eq)
         matrices = constraint, tool, pose.frame, partition, rates, J_eq
         return J_eq, functools.partial(EquivalentJacobian, *matrices, pose=pose)
@@ -358,16 +359,17 @@ class Configuration(LoadedPose, Shown):
     def _singularity(self) -> Singularity:
         problem, snapshot = self.problem, self._snapshot
         rows = problem.partition.tool_rows
-        return analyse_singularity(
-            snapshot.constraint_jacobian,
-            snapshot.judged_jacobian(rows),
-            problem.partition,
-            functools.partial(gained_and_idle, problem, self.q),
-            loops=self._loop_rates,
-            tool_pose=(snapshot.axes_of(rows), snapshot.position + self._parts.place),
-            slopes=PoseOfConfiguration(self, rows.axes).slopes,
-            find_margins=PoseOfConfiguration(self, rows.axes).margins,
-        )
+        with one_thread_from(self._parts.model.nv):
+            return analyse_singularity(
+                snapshot.constraint_jacobian,
+                snapshot.judged_jacobian(rows),
+                problem.partition,
+                functools.partial(gained_and_idle, problem, self.q),
+                loops=self._loop_rates,
+                tool_pose=(snapshot.axes_of(rows), snapshot.position + self._parts.place),
+                slopes=PoseOfConfiguration(self, rows.axes).slopes,
+                find_margins=PoseOfConfiguration(self, rows.axes).margins,
+            )
 
     def _need_tool(self) -> None:
         self.mechanism.need_tool()
