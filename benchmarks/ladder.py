@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pinocchio as pin
 
-import pmjac_pin as pj
+from pmjac_pin import Mechanism, PointLoop
 
 CRANK, GROUND, SKEW, ANGLE = 0.8, 1.0, 0.02, 1.2  # m, and rad
 NOTHING, WIDE = np.full(1, 1e9), np.full(1, 100.0)
 
 
-def ladder(count: int) -> pj.Mechanism:
+def ladder(count: int) -> Mechanism:
     """Make one of so many loops, couplers longer and shorter than the ground in turn."""
     model, loops, home = pin.Model(), [], {"t0": ANGLE}
 
@@ -31,9 +31,9 @@ def ladder(count: int) -> pj.Mechanism:
             frame(coupler, f"coupler{k}", GROUND + SKEW * (-1) ** k),
             frame(rocker, f"rocker{k}", CRANK),
         )
-        loops.append(pj.PointLoop(frames=tips))
+        loops.append(PointLoop(frames=tips))
         home |= {f"t{k}": ANGLE, f"c{k}": -ANGLE}
         crank = rocker
-    return pj.Mechanism.from_pinocchio(
+    return Mechanism.from_pinocchio(
         model, loops, ["t0"], f"rocker{count}", home=home, name=f"ladder of {count}"
     )
