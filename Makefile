@@ -31,9 +31,10 @@ bench: .venv/ready
 	$(BIN)/python benchmarks/bench_pickle.py
 	$(BIN)/python benchmarks/bench_jacobian.py
 	$(BIN)/python benchmarks/bench_batch.py
+	$(BIN)/python benchmarks/bench_avx2.py
 	$(BIN)/python benchmarks/bench_cpp.py
 	$(BIN)/python benchmarks/bench_grid.py
-	$(BIN)/python benchmarks/bench_sweep.py
+	$(BIN)/python benchmarks/bench_sweep.py 1e7
 	$(BIN)/python benchmarks/bench_parameters.py
 	$(BIN)/python benchmarks/bench_error.py
 	$(BIN)/python benchmarks/bench_free.py
@@ -51,6 +52,7 @@ bench: .venv/ready
 # What docs/many_poses.md and docs/sweeps.md speak of.
 bench-many: .venv/ready
 	$(BIN)/python benchmarks/bench_batch.py
+	$(BIN)/python benchmarks/bench_avx2.py
 	$(BIN)/python benchmarks/bench_cpp.py
 	$(BIN)/python benchmarks/bench_grid.py
 	$(BIN)/python benchmarks/bench_sweep.py 1e7

@@ -9,8 +9,11 @@ from test_batch import NAMES, machine, targets
 from test_filled_again import equal
 
 import pmjac_pin as pj
-from pmjac_pin.batches import filled_again
-from pmjac_pin.batches.pieces import PIECE, Wanted
+from pmjac_pin.batches import filled_again, judge
+from pmjac_pin.batches.gathering import Wanted
+from pmjac_pin.batches.many_rates import ManyRates
+from pmjac_pin.batches.pieces import PIECE
+from pmjac_pin.batches.rates_in_lanes import rates_kernel
 
 CALLS = ("ellipsoids", "measures")
 
@@ -25,6 +28,40 @@ def test_the_same_as_by_two_calls(name, call, rng):
     poses, found = getattr(many, f"{call}_at")(values)
     equal(poses, expected)
     equal(found, getattr(many, call)(expected.q))
+
+
+def some_stop(values):
+    values[3] += (2.0, -2.0)
+
+
+def some_are_none(values):
+    values[5] = np.nan
+
+
+def nothing_more(values):
+    pass
+
+
+@pytest.mark.skipif(rates_kernel() is None, reason="no kernel was built")
+@pytest.mark.parametrize("asked", [0.0, 0.79, 2.0])
+@pytest.mark.parametrize("more", [nothing_more, some_stop, some_are_none])
+@pytest.mark.parametrize("compiled", [False, pytest.param(True, marks=pytest.mark.slow)])
+def test_in_one_call_of_the_kernel_where_it_can(more, asked, compiled, rng, monkeypatch):
+    """Where all arrive, and J_eq is certain of all, of some or of none."""
+    mechanism = machine("five_bar")
+    values, apart = targets(mechanism, 200, 0.2, rng), []
+    usual = np.median(pj.batch(mechanism).measures_at(values)[1].smallest)
+    monkeypatch.setattr(judge, "_BY_SINGLE_CALLS", asked * usual)
+    more(values)
+    many = pj.batch(mechanism, compiled=compiled)
+    expected = many.close(values, enforce_limits=False)
+    rates, fill = many.ellipsoids(expected.q), ManyRates.fill
+    monkeypatch.setattr(ManyRates, "fill", lambda *given: apart.append(1) or fill(*given))
+    poses, found = many.ellipsoids_at(values, enforce_limits=False)
+    equal(poses, expected)
+    equal(found, rates)
+    assert len(apart) == (more is not nothing_more)
+    assert (poses.status == pj.Status.CLOSED).all() == (more is nothing_more)
 
 
 @pytest.mark.parametrize("call", CALLS)

@@ -16,8 +16,9 @@ import pytest
 
 import pmjac_pin as pj
 from pmjac_pin.batches.closing import Closing
-from pmjac_pin.batches.pieces import PIECE, Manner, Wanted, gathered, pieces_of
-from pmjac_pin.batches.results import shapes_of
+from pmjac_pin.batches.gathering import Manner, Wanted, gathered
+from pmjac_pin.batches.pieces import PIECE, pieces_of
+from pmjac_pin.batches.result_shapes import shapes_of
 
 COUNT = 40_000
 VALUES = np.array([2.187, 0.954]) + np.random.default_rng(0).uniform(-0.1, 0.1, (COUNT, 2))

@@ -113,6 +113,26 @@ def test_no_lane_depends_on_another(at, rng):
         np.testing.assert_array_equal(getattr(together, name)[order], getattr(apart, name))
 
 
+@pytest.mark.skipif(many_paths_kernel() is None, reason="no kernel was built")
+@pytest.mark.parametrize("at", [np.tile, lambda q, shape: np.broadcast_to(q, (shape[0], q.size))])
+@pytest.mark.parametrize("name", mostly_slow(NAMES, ("five_bar", "slider_crank", "three_rps")))
+def test_the_kernel_finds_how_far_motors_go(name, at, rng):
+    """That is how far they go, to the last bit; where they are not entries of q, it is told so."""
+    mechanism = loaded(name)
+    closing, values = pj.batch(mechanism)._closing, targets(mechanism, 150, 0.6, rng)
+    if closing.lanes is None or not mechanism.motors.are_entries:
+        pytest.skip("motors of other kinds, or single calls walk it")
+    start = at(mechanism.home.q, (150, 1))
+    given = mechanism.motors.ways(start, values)
+    np.testing.assert_array_equal(given, values - mechanism.home.actuated)
+    for most in (MOST_STEPS, 3):
+        paths = [
+            closing.lanes.walk(start, ways, values, lambda: None, most) for ways in (given, None)
+        ]
+        for one, other in zip(*paths, strict=True):
+            np.testing.assert_array_equal(one, other)
+
+
 class ShortSteps:
     """Steps of a mechanism from home, and what the leg's program tells of them."""
 

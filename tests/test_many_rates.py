@@ -10,7 +10,8 @@ import pmjac_pin as pj
 from pmjac_pin.algebra.tape_runner import run
 from pmjac_pin.batches import many_rates
 from pmjac_pin.batches.judge import certain_jacobians
-from pmjac_pin.batches.many_rates import ManyRates, rates_kernel
+from pmjac_pin.batches.many_rates import ManyRates
+from pmjac_pin.batches.rates_in_lanes import rates_kernel
 from pmjac_pin.closing.recorded_rates import DOUBTS
 from pmjac_pin.rates.many_radii import _radii_of_blocks, fill_radii, radii_kernel
 

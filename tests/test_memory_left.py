@@ -11,15 +11,15 @@ import pytest
 from mechanisms import loaded
 
 import pmjac_pin as pj
-from pmjac_pin.batches import memory_left, results
-from pmjac_pin.batches.results import empty_arrays
+from pmjac_pin.batches import memory_left, result_shapes
+from pmjac_pin.batches.result_shapes import ResultShapes, empty_arrays
 
-SHAPES = {"q": (5000, 7), "share": (5000,), "status": (5000,)}
+SHAPES = ResultShapes({"q": (5000, 7), "share": (5000,), "status": (5000,)})
 
 
 @pytest.fixture(autouse=True)
 def small_ones_are_large(monkeypatch):
-    monkeypatch.setattr(results, "LARGE", 4096)
+    monkeypatch.setattr(result_shapes, "LARGE", 4096)
 
 
 @pytest.fixture
@@ -103,7 +103,7 @@ def test_threads_get_memory_of_their_own():
 
     def work(number):
         for turn in range(100):
-            array = empty_arrays({"q": (1000 + number % 2,)})["q"]
+            array = empty_arrays(ResultShapes({"q": (1000 + number % 2,)}))["q"]
             array[:] = number + 100 * turn
             time.sleep(1e-4)
             if not (array == number + 100 * turn).all():
@@ -119,7 +119,7 @@ def test_threads_get_memory_of_their_own():
 
 @linux
 def test_what_is_kept_is_bounded():
-    others = [empty_arrays({"q": (1000 + k,)}) for k in range(60)]
+    others = [empty_arrays(ResultShapes({"q": (1000 + k,)})) for k in range(60)]
     while others:
         others.pop(0)
     kept = memory_left._LEFT
@@ -129,4 +129,4 @@ def test_what_is_kept_is_bounded():
 
 def test_more_than_there_is_is_an_error_as_ever():
     with pytest.raises(MemoryError):
-        empty_arrays({"q": (1 << 45, 8)})
+        empty_arrays(ResultShapes({"q": (1 << 45, 8)}))

@@ -12,9 +12,9 @@ import pmjac_pin as pj
 from pmjac_pin.algebra import numpy_tape
 from pmjac_pin.algebra.c_kernels import loaded
 from pmjac_pin.algebra.programs import Recording, largest, root, with_sign
-from pmjac_pin.algebra.singular_values import singular_values, values_in
+from pmjac_pin.algebra.singular_values import VALUES_TAKE, singular_values, values_in
 from pmjac_pin.algebra.tape import INSTRUCTIONS, Tape
-from pmjac_pin.algebra.tape_runner import run_in
+from pmjac_pin.algebra.tape_runner import TAPE_TAKES, run_in
 
 ROOT = Path(__file__).resolve().parent.parent
 ALGEBRA = ROOT / "pmjac_pin" / "algebra"
@@ -32,7 +32,7 @@ def kernel(build, tmp_path_factory):
         pytest.skip("no C compiler")
     built = tmp_path_factory.mktemp("kernel") / "kernel.so"
     assert build(built, *SOURCES) == ""
-    library = loaded(built, *SOURCES)
+    library = loaded(built, *SOURCES, pmjac_run_tape=TAPE_TAKES)
     assert library is not None
     return library
 
@@ -44,7 +44,7 @@ def values_kernel(build, tmp_path_factory):
     sources = (ALGEBRA / "singular_values.c", ALGEBRA / "lanes.h")
     built = tmp_path_factory.mktemp("values") / "kernel.so"
     assert build(built, *sources) == ""
-    return loaded(built, *sources)
+    return loaded(built, *sources, pmjac_singular_values=VALUES_TAKE)
 
 
 def everything():

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import hashlib
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -14,19 +15,27 @@ POINTER, COUNT = ctypes.c_void_p, ctypes.c_int64
 _address_of, _first_byte = ctypes.addressof, ctypes.c_char.from_buffer
 
 
-def loaded(built: str | Path, *sources: str | Path) -> ctypes.CDLL | None:
+def loaded(
+    built: str | Path, *sources: str | Path, **arguments: Sequence[Any]
+) -> ctypes.CDLL | None:
     """Return a kernel that was built from some sources, None where there is none.
 
     Parameters
     ----------
     built, *sources : str or Path
         Where they are, seen from the package's folder.
+    **arguments : sequence of types
+        What its functions take, by their names.
     """
     try:
         text = b"".join((_PMJAC_PIN / source).read_bytes() for source in sources)
         library, digest = ctypes.CDLL(str(_PMJAC_PIN / built)), hashlib.sha256(text).hexdigest()
         library.pmjac_source.restype = ctypes.c_char_p
-        return library if library.pmjac_source() == digest.encode() else None
+        if library.pmjac_source() != digest.encode():
+            return None
+        for function, types in arguments.items():
+            getattr(library, function).argtypes = types
+        return library
     except (OSError, AttributeError):
         return None
 

@@ -11,6 +11,9 @@ import numpy as np
 from pmjac_pin.algebra.c_kernels import COUNT, POINTER, address, loaded
 from pmjac_pin.values.arrays import Array, Mask
 
+#: What `pmjac_singular_values` is given.
+VALUES_TAKE = (POINTER, COUNT, COUNT, COUNT, POINTER, COUNT, POINTER)
+
 
 def singular_values(matrices: Array, places: Sequence[int] | None = None) -> Array:
     """Return those of matrices (p, k, N), shape (min(p, k), N), to rounding of the largest.
@@ -37,7 +40,7 @@ def singular_values(matrices: Array, places: Sequence[int] | None = None) -> Arr
 def values_kernel() -> ctypes.CDLL | None:
     """Return the kernel that was built from the source beside it, None where there is none."""
     sources = ("algebra/singular_values.c", "algebra/lanes.h")
-    return loaded("algebra/_singular_values.so", *sources)
+    return loaded("algebra/_singular_values.so", *sources, pmjac_singular_values=VALUES_TAKE)
 
 
 def _of_stack(matrices: Array, places: Sequence[int]) -> Array:
@@ -59,8 +62,6 @@ def values_in(library: ctypes.CDLL, matrices: Array, places: Sequence[int]) -> A
     given = np.ascontiguousarray(matrices, dtype=float)
     vectors, length, count = given.shape
     which, found = np.array(places, dtype=np.int64), np.empty((len(places), count))
-    counts = (COUNT, COUNT, COUNT)
-    library.pmjac_singular_values.argtypes = (POINTER, *counts, POINTER, COUNT, POINTER)
     failed = library.pmjac_singular_values(
         address(given),
         vectors,

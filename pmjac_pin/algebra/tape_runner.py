@@ -12,6 +12,9 @@ from pmjac_pin.algebra.c_kernels import COUNT, POINTER, address, loaded
 from pmjac_pin.algebra.tape import Tape
 from pmjac_pin.values.arrays import Array
 
+#: What `pmjac_run_tape` is given.
+TAPE_TAKES = (POINTER, COUNT, POINTER, COUNT, COUNT, POINTER, COUNT, POINTER)
+
 
 def run(tape: Tape, inputs: Array) -> Array:
     """Return the outputs, shape (outputs, N), of inputs of shape (inputs, N).
@@ -25,7 +28,8 @@ def run(tape: Tape, inputs: Array) -> Array:
 @cache
 def tape_kernel() -> ctypes.CDLL | None:
     """Return the kernel that was built from the source beside it, None where there is none."""
-    return loaded("algebra/_tape_kernel.so", "algebra/tape_kernel.c", "algebra/lanes.h")
+    sources = ("algebra/tape_kernel.c", "algebra/lanes.h")
+    return loaded("algebra/_tape_kernel.so", *sources, pmjac_run_tape=TAPE_TAKES)
 
 
 def run_in(library: ctypes.CDLL, tape: Tape, inputs: Array) -> Array:
@@ -38,8 +42,6 @@ def run_in(library: ctypes.CDLL, tape: Tape, inputs: Array) -> Array:
     given = np.ascontiguousarray(inputs, dtype=float)
     code = np.ascontiguousarray(tape.code)
     found = np.empty((tape.outputs, given.shape[1]))
-    constants = (POINTER, COUNT, COUNT)
-    library.pmjac_run_tape.argtypes = (POINTER, COUNT, *constants, POINTER, COUNT, POINTER)
     failed = library.pmjac_run_tape(
         address(code),
         len(code),

@@ -10,6 +10,7 @@ from typing import Any, TypeAlias
 
 from pmjac_pin.algebra.compiled_programs import CompiledPrograms
 from pmjac_pin.algebra.tape import Tape
+from pmjac_pin.batches.ellipsoids_work import EllipsoidsWork
 from pmjac_pin.batches.judge import Judge
 from pmjac_pin.batches.many_rates import ManyRates
 from pmjac_pin.batches.measures import blank_open, fill_measures
@@ -52,15 +53,7 @@ class AtPoses:
 
     def ellipsoids(self) -> RatesWork:
         """Return what finds the arrays of `ManyEllipsoids`."""
-        rates = self._rates(self._recorded.ellipsoids)
-
-        def work(piece: Piece, q: Array, J_eq: Array, status: Statuses, *radii: Array) -> None:
-            linear, angular = radii
-            sizes, certain = rates.fill(q, J_eq, (linear, angular))
-            if self._judge.settle(piece, q, certain, _WORLD_ALIGNED, (J_eq, status)):
-                fill_radii(J_eq, sizes, linear, angular)
-
-        return work
+        return EllipsoidsWork(self._rates(self._recorded.ellipsoids), self._judge)
 
     def measures(self) -> RatesWork:
         """Return what finds those of `ManyMeasures`."""

@@ -6,6 +6,7 @@ What a program certifies is what the single call says; where it cannot, the sing
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import partial
 from typing import Any, TypeVar
 
 import numpy as np
@@ -16,16 +17,11 @@ from pmjac_pin.algebra.compiled_programs import CompiledPrograms
 from pmjac_pin.algebra.tape_runner import tape_kernel
 from pmjac_pin.batches.at_poses import AtPoses, RatesWork
 from pmjac_pin.batches.closing import Closing
+from pmjac_pin.batches.ellipsoids_work import EllipsoidsWork
+from pmjac_pin.batches.gathering import Manner, Wanted, gathered, gathered_together
 from pmjac_pin.batches.grid import Grid
-from pmjac_pin.batches.pieces import (
-    Manner,
-    Piece,
-    PieceWork,
-    Progress,
-    Wanted,
-    gathered,
-    gathered_together,
-)
+from pmjac_pin.batches.pieces import Piece, PieceWork, Progress
+from pmjac_pin.batches.result_shapes import shapes_of, shapes_of_closed
 from pmjac_pin.batches.results import (
     ManyClosed,
     ManyEllipsoids,
@@ -35,10 +31,9 @@ from pmjac_pin.batches.results import (
     Status,
     Statuses,
     say_nothing,
-    shapes_of,
-    shapes_of_closed,
 )
 from pmjac_pin.batches.sound_rows import SoundRows
+from pmjac_pin.closing.kernel_walk import Following
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import ArgumentError, quoted
 from pmjac_pin.mechanism import Mechanism
@@ -220,24 +215,27 @@ class Batch:
 
         is_open = None if known else self._closing.is_open
 
-        def work(piece: Piece, *found: Any) -> bool:
-            """Tell whether of some paths nothing is known."""
+        def work(piece: Piece, *found: Any, following: Following | None = None) -> bool:
+            """Tell whether of some paths nothing is known; where that is so, nothing follows."""
             begin, targets, why, beyond = start[piece.at], values[piece.at], None, whose
             if known and self.mechanism.motors.are_inside(targets):
                 beyond = "none" if whose == "motors" else whose
             else:
                 begin, targets, why = self._sound.of_paths(begin, targets, is_open)
+            if why is None:
+                paths = begin, targets
+                self._closing.close(piece, paths, beyond, found, following=following)
+                return False
             self._closing.close(piece, (begin, targets), beyond, found)
-            if why is not None:
-                none = why != Status.CLOSED
-                say_nothing(found, none, why[none])
-            return why is not None
+            none = why != Status.CLOSED
+            say_nothing(found, none, why[none])
+            return True
 
         return len(values), work, (values,) if known else (start, values)
 
     def _closed(self, count: int, out: ManyClosed | None = None) -> Wanted[ManyClosed]:
         shapes = shapes_of_closed(count, self.mechanism.nq)
-        return Wanted(ManyClosed, shapes, out, coordinates=self.mechanism.coordinates)
+        return Wanted(ManyClosed, shapes, out, _coordinates=self.mechanism.coordinates)
 
     def jacobian(
         self,
@@ -434,8 +432,11 @@ class Batch:
         (count, close, given), (poses, rates) = paths, out or (None, None)
 
         def closed(piece: Piece, q: Array, share: Array, status: Statuses, *found: Any) -> None:
-            some_unknown = close(piece, q, share, status)
-            (self._where_sound(work) if some_unknown else work)(piece, q, *found)
+            rates, following = work, None
+            if isinstance(work, EllipsoidsWork) and (begun := work.begun(q, *found)) is not None:
+                rates, following = partial(work.end, begun), begun.following
+            some_unknown = close(piece, q, share, status, following=following)
+            (self._where_sound(rates) if some_unknown else rates)(piece, q, *found)
 
         wanted = self._closed(count, poses), self._wanted(kind, count, rates)
         return gathered_together(wanted, closed, Manner(*how, given))

@@ -11,6 +11,7 @@ from pmjac_pin.batches.one_by_one import close_one
 from pmjac_pin.batches.pieces import Piece
 from pmjac_pin.batches.results import Status, Statuses
 from pmjac_pin.closing.closure import LARGEST_STEP, MOST_STEPS
+from pmjac_pin.closing.kernel_walk import Following
 from pmjac_pin.closing.many_idle_paths import ManyIdlePaths
 from pmjac_pin.closing.many_paths import GoOn, Paths, Walker
 from pmjac_pin.closing.path_kernel import many_paths_kernel
@@ -85,13 +86,18 @@ class Closing:
         found: tuple[Array, Array, Statuses],
         *,
         most_steps: int | None = None,
+        following: Following | None = None,
     ) -> None:
         """Find q, share and status of one piece, of paths from closed q to motor values.
 
-        With so few steps, what is not certain by them has the status NOT_DONE.
+        With so few steps, what is not certain by them has the status NOT_DONE. What follows is done
+        only where a kernel has walked, and all have arrived.
         """
         (start, values), (q, share, status) = paths, found
-        walked = self.together(start, values, (q, share), piece.go_on, most_steps)
+        ends, on = (q, share), piece.go_on
+        walked = self.together(
+            start, values, ends, go_on=on, most_steps=most_steps, following=following
+        )
         status.fill(Status.CLOSED)
         if not (walked.all_arrived or (share == 1.0).all()):
             self._settle(piece, paths, walked.settled, found, most_steps)
@@ -129,39 +135,53 @@ class Closing:
         start: Array,
         values: Array,
         ends: tuple[Array, Array],
+        *,
         go_on: GoOn = lambda: None,
         most_steps: int | None = None,
+        following: Following | None = None,
     ) -> Paths:
         """Walk all paths by the program, which says which are settled; find q and share."""
         q, share = ends
-        partition = self.mechanism.problem.partition
+        partition, most = self.mechanism.problem.partition, most_steps or MOST_STEPS
         # Without a walker, or where some motors lead and others are led, single calls know the way.
         if self.walker is None or partition.constraint_rank > partition.passive_rank:
             q[:], share[:] = start, 0.0
             return Paths(q, share, np.zeros(len(values), dtype=bool))
-        displacement = self.mechanism.motors.ways(start if start.strides[0] else start[0], values)
-        walker, most = self.lanes or self.walker, most_steps or MOST_STEPS
-        paths = self._walked(walker, (start, displacement, values), go_on, most, ends)
+        if self.lanes is None or self.idle is not None:
+            paths = self._walked(self.lanes or self.walker, (start, values), ends, go_on, most)
+        else:
+            # It finds by itself how far motors go that are entries of q.
+            ways = None if self.mechanism.motors.are_entries else self._ways(start, values)
+            paths = self.lanes.walk(
+                start, ways, values, go_on, most, ends=ends, following=following
+            )
         if paths.all_arrived:
             return paths
         left = np.flatnonzero(share != 1.0)  # the others were within so many steps
         # Where a path is too long for any number of steps, single calls say so without a step.
-        far = np.linalg.norm(displacement[left] / partition.motor_scale, axis=1)
+        lengths = self.mechanism.motors.ways(start[left], values[left]) / partition.motor_scale
+        far = np.linalg.norm(lengths, axis=1)
         paths.settled[left] &= far <= MOST_STEPS * LARGEST_STEP * partition.length
         return paths
+
+    def _ways(self, start: Array, values: Array) -> Array:
+        return self.mechanism.motors.ways(start if start.strides[0] else start[0], values)
 
     def _walked(
         self,
         walker: Walker | PathsInLanes,
-        paths: tuple[Array, Array, Array],
+        paths: tuple[Array, Array],
+        ends: tuple[Array, Array],
         go_on: GoOn,
         most_steps: int,
-        ends: tuple[Array, Array],
     ) -> Paths:
+        """Walk paths of which it is known how far the motors go, of what idles or not."""
+        start, values = paths
+        ways = self._ways(start, values)
         if self.idle is None:
-            return walker.walk(*paths, go_on, most_steps, ends=ends)
+            return walker.walk(start, ways, values, go_on, most_steps, ends=ends)
 
         def walk(q: Array, displacement: Array, target: Array, ends: tuple[Array, Array]) -> Paths:
             return walker.walk(q, displacement, target, go_on, most_steps, ends=ends)
 
-        return Paths(*ends, self.idle.walk(walk, *paths, ends))
+        return Paths(*ends, self.idle.walk(walk, start, ways, values, ends))

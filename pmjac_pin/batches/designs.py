@@ -16,14 +16,13 @@ from pmjac_pin.algebra.tape import Tape
 from pmjac_pin.algebra.tape_runner import run
 from pmjac_pin.batches.judge import certain_jacobians
 from pmjac_pin.batches.measures import fill_measures
+from pmjac_pin.batches.result_shapes import empty_arrays, shapes_of
 from pmjac_pin.batches.results import (
     ManyClosed,
     ManyJacobians,
     ManyMeasures,
     Status,
     Statuses,
-    empty_arrays,
-    shapes_of,
 )
 from pmjac_pin.closing.closure import HARDLY_ANYTHING, LARGEST_STEP, MOST_STEPS
 from pmjac_pin.closing.closure_problem import CLOSURE_TOLERANCE, ClosureProblem

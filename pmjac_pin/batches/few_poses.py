@@ -16,7 +16,8 @@ from pmjac_pin.batches.batch import Batch
 from pmjac_pin.batches.closing import Closing
 from pmjac_pin.batches.one_by_one import jacobian_of_one, measures_of_one
 from pmjac_pin.batches.pieces import Piece
-from pmjac_pin.batches.results import ManyMeasures, Status, Statuses, shapes_of
+from pmjac_pin.batches.result_shapes import shapes_of
+from pmjac_pin.batches.results import ManyMeasures, Status, Statuses
 from pmjac_pin.batches.sound_rows import SoundRows
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.twist_frame import FrameName

@@ -1,24 +1,24 @@
 """Filled again: results whose arrays a later call fills, as NumPy fills its `out`.
 
-Arrays of results are read-only to whoever has them. What calls have returned is known here with
-the memory behind them, for as long as it lives; copies of it, and what is made by hand, are not,
-and neither is what is being filled: two calls at once would mix their numbers.
+Arrays of results are read-only to whoever has them. What calls have returned knows the memory
+behind them; copies of it, and what is made by hand, do not, and what is being filled is left alone:
+two calls at once would mix their numbers.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from functools import partial
-from typing import Any, NamedTuple, TypeAlias
-from weakref import WeakKeyDictionary
+from operator import is_
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from pmjac_pin.batches.result_shapes import ResultShapes
 from pmjac_pin.errors import ArgumentError, quoted
 from pmjac_pin.values.arrays import Array, ReadOnlyArrays
-
-Shapes: TypeAlias = Mapping[str, tuple[int, ...]]
 
 
 class Shown(NamedTuple):
@@ -28,29 +28,42 @@ class Shown(NamedTuple):
     """
 
     arrays: Mapping[str, NDArray[Any]]
-    shapes: Shapes
+    shapes: ResultShapes
     filled_by: dict[None, object]
 
 
-_SHOWN: WeakKeyDictionary[ReadOnlyArrays, Shown] = WeakKeyDictionary()
+@dataclass(frozen=True, eq=False)
+class Refillable(ReadOnlyArrays):
+    """Base of results that can be filled again where a call has made them."""
+
+    __slots__ = ("_shown",)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Return what copies and pickles know: not the memory behind the arrays."""
+        return self.__dict__
 
 
-def note_shown(result: ReadOnlyArrays, shown: Shown) -> None:
-    """Note what a result shows, so that it can be filled again."""
-    _SHOWN[result] = shown
+Result = TypeVar("Result", bound=Refillable)
 
 
-def let_go(out: ReadOnlyArrays, call: object) -> None:
+def showing(kind: type[Result], sealed: Mapping[str, NDArray[Any]], shown: Shown) -> Result:
+    """Return what shows arrays, by others that nobody can write to, and can be filled again."""
+    result = kind.of_sealed(sealed)
+    object.__setattr__(result, "_shown", shown)
+    return result
+
+
+def let_go(out: Refillable, call: object) -> None:
     """Leave to others what a call has filled, if it was this one."""
-    shown = _SHOWN.get(out)
+    shown: Shown | None = getattr(out, "_shown", None)
     if shown is not None and shown.filled_by.get(None) is call:
         shown.filled_by.clear()
 
 
 def shown_by(
-    out: ReadOnlyArrays,
-    kind: type[ReadOnlyArrays],
-    shapes: Shapes,
+    out: Refillable,
+    kind: type[Refillable],
+    shapes: ResultShapes,
     given: Sequence[Array],
     call: object,
 ) -> Shown:
@@ -60,7 +73,7 @@ def shown_by(
 
     Parameters
     ----------
-    out : ReadOnlyArrays
+    out : Refillable
     kind : type
         What it must be.
     shapes : mapping of str to tuple of int
@@ -76,7 +89,7 @@ def shown_by(
     """
     if type(out) is not kind:
         raise ArgumentError(f"`out` is a {kind.__name__} to be filled again, got {quoted(out)}")
-    shown = _SHOWN.get(out)
+    shown: Shown | None = getattr(out, "_shown", None)
     if shown is not None:
         _check_to_be_filled(shown, shapes, given)
     # One step, which no other thread divides: whoever is first has them.
@@ -89,7 +102,7 @@ def shown_by(
     return shown
 
 
-def _check_to_be_filled(shown: Shown, shapes: Shapes, given: Sequence[Array]) -> None:
+def _check_to_be_filled(shown: Shown, shapes: ResultShapes, given: Sequence[Array]) -> None:
     if shown.shapes is not shapes:
         for name, shape in shapes.items():
             if (found := shown.shapes[name]) != shape:
@@ -97,8 +110,8 @@ def _check_to_be_filled(shown: Shown, shapes: Shapes, given: Sequence[Array]) ->
     arrays = shown.arrays.values()
     for one in given:
         # What owns its memory lies where nothing else does.
-        owns = one.flags.owndata and all(one is not array for array in arrays)
-        if not owns and any(map(partial(np.may_share_memory, one), arrays)):
+        lies = is_ if one.flags.owndata else np.may_share_memory
+        if any(map(partial(lies, one), arrays)):
             raise ArgumentError(
                 "`out` lies where what is given lies, which would be written over while it is "
                 "read; give a copy of the one, or another `out`"

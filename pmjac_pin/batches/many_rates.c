@@ -30,31 +30,50 @@ typedef int (*Radii)(
     const double *J_eq, int64_t motors, int64_t count, const double *sizes, const void *nothing,
     double *linear, double *angular);
 
-/* From rows (count, nq) to rows (count, entries), numbers (more, count) that follow these in the
- * program, and whether each is certain. Where radii are asked for, these numbers are sizes. Returns
- * what `radii` does, else 0. */
-int pmjac_rates(
-    const Program *program, const Certainty *asked, const double *q, int64_t nq, int64_t count,
-    int64_t entries, int64_t more, double *J_eq, double *others, uint8_t *certain, Radii radii,
-    const void *nothing, double *linear, double *angular)
+/* From rows (count, nq) to rows (count, entries), to numbers (more, count) that follow these in the
+ * program, and to whether each is certain; and how many are not. Where radii are asked for, these
+ * numbers are sizes. */
+typedef struct {
+    Program program;
+    Certainty asked;
+    Radii radii;
+    const void *nothing;
+    int64_t nq, entries, more, count;
+    const double *q;
+    double *J_eq, *others;
+    uint8_t *certain;
+    double *linear, *angular; /* NULL: no radii */
+    int64_t uncertain; /* -1 before all is done */
+} Rates;
+
+/* Returns what `radii` does, else 0. What walks paths may ask for it where they end. */
+int pmjac_rates(void *of)
 {
+    Rates *rates = of;
+    const Program *program = &rates->program;
     const Row *told = program->outputs;
+    int64_t count = rates->count, nq = rates->nq, entries = rates->entries, certain = 0;
     for (int64_t start = 0; start < count; start += LANES) {
         int width = count - start < LANES ? (int)(count - start) : LANES;
         for (int64_t k = 0; k < nq; k++)
             for (int at = 0; at < LANES; at++)
-                program->inputs[k][at] = q[(start + (at < width ? at : width - 1)) * nq + k];
+                program->inputs[k][at] = rates->q[(start + (at < width ? at : width - 1)) * nq + k];
         run_stage(program, 0, width);
         for (int at = 0; at < width; at++) {
-            certain[start + at] = (uint8_t)is_certain(asked, told, at);
+            int it_is = is_certain(&rates->asked, told, at);
+            rates->certain[start + at] = (uint8_t)it_is, certain += it_is;
             for (int64_t k = 0; k < entries; k++)
-                J_eq[(start + at) * entries + k] = told[DOUBTS + k][at];
+                rates->J_eq[(start + at) * entries + k] = told[DOUBTS + k][at];
         }
-        for (int64_t k = 0; k < more; k++)
+        for (int64_t k = 0; k < rates->more; k++)
             for (int at = 0; at < width; at++)
-                others[k * count + start + at] = told[DOUBTS + entries + k][at];
+                rates->others[k * count + start + at] = told[DOUBTS + entries + k][at];
     }
-    return radii ? radii(J_eq, entries / 6, count, others, nothing, linear, angular) : 0;
+    int failed = !rates->linear ? 0
+        : rates->radii(rates->J_eq, entries / 6, count, rates->others, rates->nothing,
+                       rates->linear, rates->angular);
+    if (!failed) rates->uncertain = count - certain;
+    return failed;
 }
 
 int pmjac_lanes(void) { return LANES; }

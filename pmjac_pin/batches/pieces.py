@@ -13,23 +13,20 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from itertools import pairwise, repeat
 from threading import Event
-from typing import Any, Generic, NamedTuple, TypeAlias, TypeVar
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pmjac_pin.batches.filled_again import Shapes, Shown, let_go, note_shown, shown_by
-from pmjac_pin.batches.results import Status, empty_arrays, say_nothing
+from pmjac_pin.batches.results import Status, say_nothing
 from pmjac_pin.errors import ArgumentError, Interrupted, quoted
-from pmjac_pin.values.arrays import Array, Mask, ReadOnlyArrays, sealed
-from pmjac_pin.values.checks import check_callable
+from pmjac_pin.values.arrays import Mask
 
 PIECE = 5120  # poses at most: they fill the kernel's lanes, and some MB
 _BY_ONE = 3072  # poses of a small machine, done as soon as another thread would have begun
 _LANES = 16
 _HEARING = 0.2  # s: what waits for another thread does not hear every signal
 Progress: TypeAlias = Callable[[int, int], object]
-Results = TypeVar("Results", bound=ReadOnlyArrays)
 
 
 class Piece:
@@ -43,7 +40,7 @@ class Piece:
 
     __slots__ = ("_of", "at")
 
-    def __init__(self, at: slice, of: _Filling) -> None:
+    def __init__(self, at: slice, of: Filling) -> None:
         self.at, self._of = at, of
 
     def each(self, of: Mask) -> Iterator[int]:
@@ -66,122 +63,6 @@ class _GivenUp(Exception):
 PieceWork: TypeAlias = Callable[..., object]
 
 
-class Manner(NamedTuple):
-    """How many poses are computed.
-
-    Attributes
-    ----------
-    threads, progress
-        As of `Batch.close`.
-    given : tuple of ndarray
-        What is read while results are filled.
-    """
-
-    threads: int | None = None
-    progress: Progress | None = None
-    given: tuple[Array, ...] = ()
-
-
-class Wanted(Generic[Results]):
-    """Results of many poses that are wanted.
-
-    Parameters
-    ----------
-    kind : type
-        A dataclass of arrays, one of which is called `status`.
-    shapes : mapping of str to tuple of int
-        Of its arrays, by their names.
-    out : Results, optional
-        To be filled again.
-    **more
-        What the results are made with besides their arrays.
-    """
-
-    __slots__ = ("_kind", "_more", "_out", "_shapes")
-
-    def __init__(
-        self,
-        kind: type[Results],
-        shapes: Shapes,
-        out: Results | None = None,
-        **more: Any,
-    ) -> None:
-        self._kind, self._shapes, self._out, self._more = kind, shapes, out, more
-
-    def taken(self, given: Sequence[Array], call: object) -> tuple[Results, Shown]:
-        """Return the results and what they show, which nobody but this call fills.
-
-        Raises
-        ------
-        ArgumentError
-            Results that cannot be filled again, while this is read.
-        """
-        if self._out is None:
-            arrays = empty_arrays(self._shapes)
-            shown = {name: sealed(array) for name, array in arrays.items()}
-            result = self._kind(**shown, **self._more)
-            seen = Shown(arrays, self._shapes, {})
-            note_shown(result, seen)
-            return result, seen
-        return self._out, shown_by(self._out, self._kind, self._shapes, given, call)
-
-    def let_go(self, call: object) -> None:
-        """Leave results that are filled again to others, if this call has taken them."""
-        if isinstance(self._out, self._kind):
-            let_go(self._out, call)
-
-    def renew(self) -> None:
-        """Let results that are filled again say what they are made with now."""
-        if self._out is not None and self._more:
-            self._out.__post_init__(**self._more)
-
-
-def gathered(wanted: Wanted[Results], work: PieceWork, how: Manner) -> Results:
-    """Return results of many poses.
-
-    Parameters
-    ----------
-    wanted : Wanted
-    work : callable
-        Fills the arrays of a piece, ``work(piece, *parts)``, in their order. Where the pieces end
-        depends on the number of poses alone.
-    how : Manner
-
-    Raises
-    ------
-    ArgumentError, Interrupted
-    """
-    result: Results
-    (result,) = gathered_together((wanted,), work, how)
-    return result
-
-
-def gathered_together(
-    wanted: Sequence[Wanted[Any]], work: PieceWork, how: Manner
-) -> tuple[Any, ...]:
-    """Return several results of the same poses, each piece of all of them at a time."""
-    check_callable(how.progress, "progress")
-    threads, call = thread_count(how.threads), object()
-    try:
-        taken = [one.taken(how.given, call) for one in wanted]
-        for one in wanted:  # none of them was refused
-            one.renew()
-        results = tuple(result for result, _ in taken)
-        filling = _Filling([array for _, shown in taken for array in shown.arrays.values()], work)
-        try:
-            filling.fill(threads, how.progress)
-        except BaseException as stopped:
-            told = f"{filling.blank()} of {filling.count} poses"
-            if isinstance(stopped, KeyboardInterrupt):
-                done = results if len(results) > 1 else results[0]
-                raise interrupted(told, done) from None
-            raise
-    finally:
-        for one in wanted:
-            one.let_go(call)
-    return results
-
-
 def pieces_of(count: int) -> list[slice[int, int, None]]:
     """Return the pieces of so many poses, whoever computes them.
 
@@ -201,7 +82,7 @@ def pieces_of(count: int) -> list[slice[int, int, None]]:
     return [slice(start, end) for start, end in pairwise(ends)]
 
 
-class _Filling:
+class Filling:
     """Arrays of many poses, filled piece by piece, and the pieces that are left.
 
     Threads take the pieces in their order, the caller's own among them. What they share are
@@ -218,6 +99,20 @@ class _Filling:
 
     def fill(self, threads: int, progress: Progress | None) -> None:
         """Fill the arrays; raise what went wrong in the first of the pieces where something did."""
+        if len(self._left) == 1:
+            self._fill_at_once(progress)
+        else:
+            self._fill_by_threads(threads, progress)
+
+    def _fill_at_once(self, progress: Progress | None) -> None:
+        """Fill what is one piece: of so few poses each microsecond counts."""
+        (whole,) = self._left.values()
+        self._work(Piece(whole, self), *self._found)
+        self._left.clear()
+        if progress is not None:
+            progress(self.count, self.count)
+
+    def _fill_by_threads(self, threads: int, progress: Progress | None) -> None:
         told = _Told(progress, self.count, self._ended)
         at_rest = [Event() for _ in range(min(threads, len(self._left)) - 1)]
         helpers: list[int] = []
@@ -270,7 +165,7 @@ class _Filling:
 
     def _fill(self, at: int) -> None:
         piece = Piece(self._left[at], self)
-        self._work(piece, *(array[piece.at] for array in self._found))
+        self._work(piece, *[array[piece.at] for array in self._found])
         del self._left[at]
         self._ended.append(piece.at.stop - at)
 

@@ -3,21 +3,19 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import InitVar, dataclass, field, fields
 from enum import IntEnum
-from functools import lru_cache
-from types import MappingProxyType
 from typing import Any, Self, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pmjac_pin.batches.memory_left import LARGE, in_memory_left
+from pmjac_pin.batches.filled_again import Refillable
 from pmjac_pin.errors import ArgumentError
 from pmjac_pin.model.coordinates import JointCoordinates
 from pmjac_pin.model.limits import beyond_limits
-from pmjac_pin.values.arrays import Array, Index, Mask, ReadOnlyArrays, read_only
+from pmjac_pin.values.arrays import Array, Index, Mask, read_only
 
 Statuses: TypeAlias = NDArray[np.int8]
 
@@ -37,7 +35,7 @@ class Status(IntEnum):
 
 
 @dataclass(frozen=True, eq=False)
-class ManyClosed(ReadOnlyArrays):
+class ManyClosed(Refillable):
     """Closed poses, or where their paths ended.
 
     Attributes
@@ -125,7 +123,7 @@ class ManyInGrid(ManyClosed):
 
 
 @dataclass(frozen=True, eq=False)
-class ManyJacobians(ReadOnlyArrays):
+class ManyJacobians(Refillable):
     """J_eq of many poses.
 
     Attributes
@@ -221,40 +219,6 @@ def _ranks_of_radii(radii: Array) -> Array:
 
 def _volumes_of_radii(radii: Array) -> Array:
     return read_only(4 / 3 * math.pi * radii.prod(axis=1))
-
-
-_OF_ONE_POSE: dict[str, tuple[int, ...]] = {  # less the motors, which are -1
-    "J_eq": (6, -1), "status": (), "velocity_radii": (3,), "angular_radii": (3,),
-    "smallest": (), "condition": (), "position": (3,), "rotation": (3, 3),
-}  # fmt: skip
-
-
-@lru_cache(maxsize=64)
-def shapes_of(kind: type[ManyJacobians], count: int, motors: int) -> Mapping[str, tuple[int, ...]]:
-    """Return the shapes of the arrays of so many poses."""
-    return MappingProxyType(
-        {
-            name: (count, *(motors if size < 0 else size for size in shape))
-            for name, shape in _OF_ONE_POSE.items()
-            if name in kind.__dataclass_fields__
-        }
-    )
-
-
-@lru_cache(maxsize=64)
-def shapes_of_closed(count: int, nq: int) -> Mapping[str, tuple[int, ...]]:
-    """Return the shapes of the arrays of so many paths."""
-    return MappingProxyType({"q": (count, nq), "share": (count,), "status": (count,)})
-
-
-def empty_arrays(shapes: Mapping[str, tuple[int, ...]]) -> dict[str, NDArray[Any]]:
-    """Return arrays of results that are to be filled: statuses, and numbers."""
-    numbers = sum(map(math.prod, shapes.values()))
-    empty = np.empty if 8 * numbers < LARGE else in_memory_left
-    return {
-        name: empty(shape, np.int8 if name == "status" else np.float64)
-        for name, shape in shapes.items()
-    }
 
 
 def say_nothing(found: Sequence[NDArray[Any]], which: Any, status: Status | Statuses) -> None:

@@ -90,6 +90,22 @@ class KernelMachine:
         )
 
 
+class Following(NamedTuple):
+    """What a kernel does as soon as all paths of a walk have arrived.
+
+    Attributes
+    ----------
+    function, given : int
+        Where a function in C is that takes one pointer, and that pointer.
+    kept : object
+        Whose memory it points to.
+    """
+
+    function: int | None
+    given: int
+    kept: object
+
+
 class PathsToWalk(NamedTuple):
     """Paths, and where they end.
 
@@ -98,19 +114,21 @@ class PathsToWalk(NamedTuple):
     start : ndarray, shape (b, nq)
         Closed poses; rows may be the same memory.
     displacement, target : ndarray, shape (b, n)
-        Of the motors.
+        Of the motors. No displacement: from entries of q to the targets.
     q, share : ndarray, shapes (b, nq) and (b,)
         Where each ended, and at which share of the way; not before it is walked.
     design : ndarray, shape (b, k), or None
         What the programs take of each path's own machine; None where they are of one machine.
+    following : Following, optional
     """
 
     start: Array
-    displacement: Array
+    displacement: Array | None
     target: Array
     q: Array
     share: Array
     design: Array | None = None
+    following: Following | None = None
 
 
 class KernelWalk:
@@ -127,6 +145,8 @@ class KernelWalk:
     ----------
     gap : ndarray, shape (b or more,)
         How far the loops are open where paths ended, m.
+    ways : ndarray, shape (b or more, n)
+        How far the motors go, where that was not given.
     iterations, end : ndarray of int, shape (b or more,)
     """
 
@@ -141,7 +161,8 @@ class KernelWalk:
         programs = [Memory(tape, lanes, it) for tape, it in zip(tapes, compiled, strict=True)]
         _, arrival, _ = tapes
         point, states = aligned(arrival.outputs, lanes), (LaneStruct * lanes)()
-        nv, motors = machine.struct.nv, machine.struct.motors
+        nv = machine.struct.nv
+        motors = self._motors = machine.struct.motors
         # With the rates with each motor, how these bend by pairs, and their sizes.
         common = np.zeros(arrival.outputs + motors * (nv + 1) + motors * (motors + 1) // 2 * nv)
         learnt = np.full(machine.struct.nq, np.nan)
@@ -157,6 +178,7 @@ class KernelWalk:
             0.0,
         )
         self._argument, self._one = ctypes.byref(self._struct), np.zeros(machine.struct.nq)
+        self._where_one_is = address(self._one)
         self._given: object = None
         self._make_room(1)
 
@@ -175,25 +197,34 @@ class KernelWalk:
         struct, count = self._struct, len(paths.start)
         if count > len(self.end):
             self._make_room(count)
-        start, struct.apart = self._one, 0
+        start = self._one
         if paths.start.strides[0]:
-            start, struct.apart = np.ascontiguousarray(paths.start), paths.start.shape[1]
+            start = np.ascontiguousarray(paths.start)
+            struct.start, struct.apart = address(start), start.shape[1]
         else:
             start[:] = paths.start[0]
-        ways = np.ascontiguousarray(paths.displacement), np.ascontiguousarray(paths.target)
+            struct.start, struct.apart = self._where_one_is, 0
+        target, way = np.ascontiguousarray(paths.target), paths.displacement
+        struct.target, struct.ways = address(target), None
+        if way is None:
+            way = self.ways
+            struct.ways = struct.displacement = self._where_ways_are
+        else:
+            way = np.ascontiguousarray(way)
+            struct.displacement = address(way)
         design = None if paths.design is None else np.ascontiguousarray(paths.design)
-        self._given = start, ways, design, paths
-        struct.start = address(start)
-        struct.displacement, struct.target = map(address, ways)
+        self._given = start, target, way, design, paths
         struct.design, struct.designed = None, 0
         if design is not None:
             struct.design, struct.designed = address(design), design.shape[1]
         struct.q, struct.share = address(paths.q), address(paths.share)
         struct.inverse, struct.count, struct.most_tries = inverse, count, most_tries
         struct.few, struct.patience = few, min(patience, most_tries)
+        struct.follow, struct.given, _ = paths.following or (None, None, None)
 
     def _make_room(self, count: int) -> None:
-        self.gap = np.empty(count)
+        self.gap, self.ways = np.empty(count), np.empty((count, self._motors))
+        self._where_ways_are = address(self.ways)
         self.iterations, self.end = np.empty((2, count), dtype=np.int64)
         struct = self._struct
         struct.gap, struct.iterations = address(self.gap), address(self.iterations)

@@ -109,6 +109,11 @@ class Motors:
         """
         return within(values, self._narrowest)
 
+    @property
+    def are_entries(self) -> bool:
+        """Whether their values are entries of q, and their ways differences of these."""
+        return self._entries is not None
+
     def ways(self, start: Array, values: Array) -> Array:
         """Return how far the motors go from many q, or from one, to values (N, n)."""
         if self._entries is None:

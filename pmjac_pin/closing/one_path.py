@@ -77,15 +77,15 @@ class OnePath:
 
         None where a path is so long that another has to say where it ends.
         """
-        displacement = self._motors.way(q, values)
-        scaled = displacement * self._scale
+        way = self._motors.way(q, values)
+        scaled = way * self._scale
         if not np.dot(scaled, scaled) <= self._farthest**2:
             return None
         try:
-            walk, paths = self._threads.work
+            walk, paths, displacement = self._threads.work
         except AttributeError:
-            walk, paths = self._threads.work = self._work()
-        paths.start[0], paths.displacement[0], paths.target[0] = q, displacement, values
+            walk, paths, displacement = self._threads.work = self._work()
+        paths.start[0], displacement[0], paths.target[0] = q, way, values
         more = walk.set_out(_STEPS_AT_ONCE)
         while more:
             more = walk.go_on(_STEPS_AT_ONCE)
@@ -94,10 +94,10 @@ class OnePath:
         gap, iterations = float(walk.gap[0]), int(walk.iterations[0])
         return Ahead(paths.q[0].copy(), gap, float(paths.share[0]), iterations)
 
-    def _work(self) -> tuple[KernelWalk, PathsToWalk]:
+    def _work(self) -> tuple[KernelWalk, PathsToWalk, Array]:
         walk = KernelWalk(self._library, self._machine, self._tapes)
         start, q = np.zeros((2, 1, self._tapes[0].outputs))
         displacement, target = np.zeros((2, 1, self._scale.size))
         paths = PathsToWalk(start, displacement, target, q, np.zeros(1))
         walk.take(paths)
-        return walk, paths
+        return walk, paths, displacement

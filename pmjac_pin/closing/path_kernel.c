@@ -254,12 +254,14 @@ int pmjac_walk(Walk *walk, int64_t steps)
         step(walk);
         set_all_out(walk);
     }
+    if (walk->follow && walk->arrived == walk->count) walk->follow(walk->given);
     return walk->busy > 0;
 }
 
 /* The same from where paths start. */
 int pmjac_set_out(Walk *walk, int64_t steps)
 {
+    if (walk->ways) set_ways(walk);
     begin(walk);
     return pmjac_walk(walk, steps);
 }

@@ -5,7 +5,7 @@ from __future__ import annotations
 import ctypes
 import threading
 from functools import cache
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -25,8 +25,8 @@ _SOURCES = (
     "algebra/lanes.h",
 )
 
+_TAKES = (POINTER, COUNT)
 _Number = ctypes.c_double
-Library = TypeVar("Library", bound=ctypes.CDLL)
 
 
 @cache
@@ -38,19 +38,16 @@ def path_kernel() -> ctypes.PyDLL | None:
     library = loaded("closing/_path_kernel.so", *_SOURCES)
     if library is None:
         return None
-    return _typed(ctypes.PyDLL(library._name, handle=library._handle))
+    alone = ctypes.PyDLL(library._name, handle=library._handle)
+    alone.pmjac_set_out.argtypes = alone.pmjac_walk.argtypes = _TAKES
+    return alone
 
 
 @cache
 def many_paths_kernel() -> ctypes.CDLL | None:
     """Return the kernel of many lanes, None where none was built; it lets other threads run."""
-    library = loaded("closing/_many_paths.so", "closing/many_paths.c", *_SOURCES)
-    return None if library is None else _typed(library)
-
-
-def _typed(library: Library) -> Library:
-    library.pmjac_set_out.argtypes = library.pmjac_walk.argtypes = (POINTER, COUNT)
-    return library
+    sources = ("closing/many_paths.c", *_SOURCES)
+    return loaded("closing/_many_paths.so", *sources, pmjac_set_out=_TAKES, pmjac_walk=_TAKES)
 
 
 class ProgramStruct(ctypes.Structure):
@@ -97,7 +94,7 @@ class WalkStruct(ctypes.Structure):
         *((name, ProgramStruct) for name in ("move", "arrival", "leg")),
         *((name, POINTER) for name in ("point", "lanes", "common", "learnt")),
         ("inverse", _Number),
-        *((name, POINTER) for name in ("start", "displacement", "target", "design")),
+        *((name, POINTER) for name in ("start", "displacement", "target", "ways", "design")),
         *(
             (name, COUNT)
             for name in ("designed", "apart", "count", "taken", "most_tries", "few", "patience")
@@ -105,6 +102,7 @@ class WalkStruct(ctypes.Structure):
         ("busy", COUNT),
         ("arrived", COUNT),
         *((name, POINTER) for name in ("q", "gap", "share", "iterations", "end")),
+        *((name, POINTER) for name in ("follow", "given")),
     )
 
 

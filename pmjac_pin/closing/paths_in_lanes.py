@@ -15,6 +15,7 @@ from pmjac_pin.closing.closure_problem import ClosureProblem
 from pmjac_pin.closing.kernel_walk import (
     DOUBTFUL,
     SPENT,
+    Following,
     KernelMachine,
     KernelWalk,
     PathsToWalk,
@@ -72,13 +73,14 @@ class PathsInLanes:
     def walk(
         self,
         q: Array,
-        displacement: Array,
+        displacement: Array | None,
         target: Array,
         go_on: GoOn,
         most_steps: int = closure.MOST_STEPS,
         *,
         design: Array | None = None,
         ends: tuple[Array, Array] | None = None,
+        following: Following | None = None,
     ) -> Paths:
         """Walk from closed poses.
 
@@ -86,7 +88,8 @@ class PathsInLanes:
         ----------
         q : ndarray, shape (b, nq)
         displacement, target : ndarray, shape (b, n)
-            Of the motors: over the whole path, and at its end.
+            Of the motors: over the whole path, and at its end. No displacement: all of them are
+            entries of q, and go from these to the targets.
         go_on : callable
             Called now and then; raises where nobody waits any longer.
         most_steps : int
@@ -96,12 +99,14 @@ class PathsInLanes:
             is not settled then.
         ends : (ndarray, ndarray), shapes (b, nq) and (b,), optional
             Where q and share go, row by row.
+        following : Following, optional
+            What is done as soon as all have arrived, and not where some end elsewhere.
         """
         if not len(q):
             return Paths(q.copy(), np.zeros(0), np.zeros(0, dtype=bool))
         found, share = (np.empty(q.shape), np.empty(len(q))) if ends is None else ends
         walk = self._walks.take()
-        paths = PathsToWalk(q, displacement, target, found, share, design)
+        paths = PathsToWalk(q, displacement, target, found, share, design, following)
         at_one = not q.strides[0] and design is None
         walk.take(paths, most_steps, FEW, LONG, self._inverse_at(q[0]) if at_one else 0.0)
         more = walk.set_out(_LANE_STEPS_AT_ONCE)
@@ -109,17 +114,23 @@ class PathsInLanes:
         while more:
             more = walk.go_on(_LANE_STEPS_AT_ONCE)
             go_on()
-        end = None if walk.all_arrived else walk.end[: len(q)].copy()
-        walk.let_go()
-        self._walks.put_back(walk)
-        if end is None:
+        if walk.all_arrived:
+            self._put_back(walk)
             settled = np.empty(len(q), dtype=bool)
             settled.fill(True)  # `np.ones` takes three times as long
             return Paths(found, share, settled, all_arrived=True)
+        end = walk.end[: len(q)].copy()
+        if displacement is None:
+            displacement = walk.ways[: len(q)].copy()
+        self._put_back(walk)
         ended = Paths(found, share, end != SPENT)
         if design is not None:
             return ended.less(end == DOUBTFUL)
         return judged(self._problem, ended, displacement, end == DOUBTFUL)
+
+    def _put_back(self, walk: KernelWalk) -> None:
+        walk.let_go()
+        self._walks.put_back(walk)
 
     def _another_walk(self) -> KernelWalk:
         return KernelWalk(self._library, self._machine, self._tapes, self._compiled)

@@ -17,6 +17,18 @@ INLINE int is_at_common(const Walk *walk, int lane)
     return have_common_start(walk) && !(walk->lanes[lane].share > 0.0);
 }
 
+/* How far motors go whose values are entries of q. */
+static void set_ways(const Walk *walk)
+{
+    const Machine *machine = walk->machine;
+    for (int64_t path = 0; path < walk->count; path++) {
+        const double *start = walk->start + path * walk->apart;
+        int64_t first = path * machine->motors;
+        for (int64_t k = 0; k < machine->motors; k++)
+            walk->ways[first + k] = walk->target[first + k] - start[machine->motor_entries[k]];
+    }
+}
+
 /* A lane is at the start of a path, with nothing known there yet. */
 static void put(Walk *walk, int lane, int64_t path)
 {

@@ -66,12 +66,15 @@ typedef struct {
     double *learnt; /* its q, no number before it is known */
     double inverse; /* of K* at one start by its smallest singular value, 0 where that is not known */
     const double *start, *displacement, *target;
+    double *ways; /* where displacements go that are not given: those of entries of q; else NULL */
     const double *design; /* what programs know of each path's own machine: the last of their inputs */
     int64_t designed, apart, count, taken, most_tries, few, patience;
     int64_t busy; /* lanes up to the last one that has a path */
     int64_t arrived; /* paths at their targets */
     double *q, *gap, *share;
     int64_t *iterations, *end;
+    int (*follow)(void *given); /* what is done as soon as all have arrived; NULL: nothing */
+    void *given;
 } Walk;
 
 enum { GAP, INVERSE, SIZE, CORRECTION, PACE, MOTIONS };

@@ -41,10 +41,8 @@ def fill_radii(J_eq: Array, sizes: Array, linear: Array, angular: Array) -> None
 def radii_kernel() -> ctypes.CDLL | None:
     """Return the kernel that was built from the source beside it, None where there is none."""
     sources = ("rates/many_radii.c", "algebra/singular_values.c", "algebra/lanes.h")
-    library = loaded("rates/_many_radii.so", *sources)
-    if library is not None:
-        library.pmjac_radii.argtypes = [POINTER, COUNT, COUNT, *[POINTER] * 4]
-    return library
+    takes = POINTER, COUNT, COUNT, POINTER, POINTER, POINTER, POINTER
+    return loaded("rates/_many_radii.so", *sources, pmjac_radii=takes)
 
 
 def _by_kernel(

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, TypeAlias, TypeVar
+from typing import Any, Self, TypeAlias, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,6 +32,13 @@ class ReadOnlyArrays:
     Through pickling as well, where NumPy forgets it.
     """
 
+    @classmethod
+    def of_sealed(cls, arrays: Mapping[str, AnyArray]) -> Self:
+        """Return what holds arrays, all of its own by their names, that nobody can write to."""
+        made = object.__new__(cls)
+        made.__dict__.update(arrays)
+        return made
+
     def __post_init__(self) -> None:
         for name, value in self.__dict__.items():
             if isinstance(value, np.ndarray) and value.flags.writeable:
@@ -48,10 +56,7 @@ def read_only(array: AnyArray) -> AnyArray:
 
 def sealed(array: AnyArray) -> AnyArray:
     """Return an array that stays read-only, without a copy: for what nobody else holds."""
-    if not array.size:
-        return read_only(array)
-    flat = np.frombuffer(array.data.toreadonly(), array.dtype)
-    return flat.reshape(array.shape) if array.ndim != 1 else flat  # type: ignore[return-value]
+    return np.asarray(array.data.toreadonly())  # type: ignore[return-value]
 
 
 def aligned(count: int, width: int) -> Array:

@@ -51,10 +51,7 @@ def curve_kernel() -> ctypes.CDLL | None:
     """Return the kernel, None where none was built; it lets other threads run."""
     folder = "studies/homotopy"
     sources = (f"{folder}/curve_kernel.c", "algebra/tape_kernel.c", "algebra/lanes.h")
-    library = loaded(f"{folder}/_curve_kernel.so", *sources)
-    if library is not None:
-        library.pmjac_follow.argtypes = (POINTER, COUNT)
-    return library
+    return loaded(f"{folder}/_curve_kernel.so", *sources, pmjac_follow=(POINTER, COUNT))
 
 
 class CurveInLanes:

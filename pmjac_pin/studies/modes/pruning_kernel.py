@@ -21,11 +21,8 @@ def pruning_kernel() -> ctypes.CDLL | None:
     folder = "studies/modes"
     own = (f"{folder}/{name}" for name in ("pruning_kernel.c", "boxes_in_lanes.h", "narrowing.h"))
     tapes = ("algebra/interval_tape.c", "algebra/tape_kernel.c", "algebra/lanes.h")
-    library = loaded(f"{folder}/_pruning_kernel.so", *own, *tapes)
-    if library is not None:
-        arrays = (POINTER, POINTER, POINTER)
-        library.pmjac_enclose.argtypes = library.pmjac_prune.argtypes = (POINTER, COUNT, *arrays)
-    return library
+    built, takes = f"{folder}/_pruning_kernel.so", (POINTER, COUNT, POINTER, POINTER, POINTER)
+    return loaded(built, *own, *tapes, pmjac_enclose=takes, pmjac_prune=takes)
 
 
 class _Program(ctypes.Structure):

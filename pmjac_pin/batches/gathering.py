@@ -1,0 +1,143 @@
+"""Gathering: results of many poses, in new arrays or in those of a call before."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, Generic, NamedTuple, TypeVar
+
+from pmjac_pin.batches.filled_again import Refillable, Shown, let_go, showing, shown_by
+from pmjac_pin.batches.pieces import (
+    Filling,
+    PieceWork,
+    Progress,
+    interrupted,
+    thread_count,
+)
+from pmjac_pin.batches.result_shapes import ResultShapes, empty_arrays
+from pmjac_pin.values.arrays import Array, sealed
+from pmjac_pin.values.checks import check_callable
+
+Results = TypeVar("Results", bound=Refillable)
+
+
+class Manner(NamedTuple):
+    """How many poses are computed.
+
+    Attributes
+    ----------
+    threads, progress
+        As of `Batch.close`.
+    given : tuple of ndarray
+        What is read while results are filled.
+    """
+
+    threads: int | None = None
+    progress: Progress | None = None
+    given: tuple[Array, ...] = ()
+
+
+class Wanted(Generic[Results]):
+    """Results of many poses that are wanted.
+
+    Parameters
+    ----------
+    kind : type
+        A dataclass of arrays, one of which is called `status`.
+    shapes : mapping of str to tuple of int
+        Of its arrays, by their names.
+    out : Results, optional
+        To be filled again.
+    **more
+        What the results know besides their arrays.
+    """
+
+    __slots__ = ("_kind", "_more", "_out", "_shapes")
+
+    def __init__(
+        self,
+        kind: type[Results],
+        shapes: ResultShapes,
+        out: Results | None = None,
+        **more: Any,
+    ) -> None:
+        self._kind, self._shapes, self._out, self._more = kind, shapes, out, more
+
+    def taken(self, given: Sequence[Array], call: object) -> tuple[Results, Shown]:
+        """Return the results and what they show, which nobody but this call fills.
+
+        Raises
+        ------
+        ArgumentError
+            Results that cannot be filled again, while this is read.
+        """
+        if self._out is None:
+            arrays = empty_arrays(self._shapes)
+            shown = Shown(arrays, self._shapes, {})
+            seen = {name: sealed(array) for name, array in arrays.items()}
+            result = showing(self._kind, seen, shown)
+            vars(result).update(self._more)
+            return result, shown
+        return self._out, shown_by(self._out, self._kind, self._shapes, given, call)
+
+    def let_go(self, call: object) -> None:
+        """Leave results that are filled again to others, if this call has taken them."""
+        if isinstance(self._out, self._kind):
+            let_go(self._out, call)
+
+    def renew(self) -> None:
+        """Let results that are filled again know what new ones would."""
+        if self._out is not None:
+            vars(self._out).update(self._more)
+
+
+def gathered(wanted: Wanted[Results], work: PieceWork, how: Manner) -> Results:
+    """Return results of many poses.
+
+    Parameters
+    ----------
+    wanted : Wanted
+    work : callable
+        Fills the arrays of a piece, ``work(piece, *parts)``, in their order. Where the pieces end
+        depends on the number of poses alone.
+    how : Manner
+
+    Raises
+    ------
+    ArgumentError, Interrupted
+    """
+    result: Results
+    (result,) = gathered_together((wanted,), work, how)
+    return result
+
+
+def gathered_together(
+    wanted: Sequence[Wanted[Any]], work: PieceWork, how: Manner
+) -> tuple[Any, ...]:
+    """Return several results of the same poses, each piece of all of them at a time."""
+    check_callable(how.progress, "progress")
+    threads, call = thread_count(how.threads), object()
+    try:
+        taken = [one.taken(how.given, call) for one in wanted]
+        for one in wanted:  # none of them was refused
+            one.renew()
+        results = tuple([result for result, _ in taken])
+        arrays = [array for _, shown in taken for array in shown.arrays.values()]
+        _fill(Filling(arrays, work), threads, how.progress, results)
+    finally:
+        for one in wanted:
+            one.let_go(call)
+    return results
+
+
+def _fill(
+    filling: Filling, threads: int, progress: Progress | None, results: tuple[Any, ...]
+) -> None:
+    """Fill results; say of what is not filled that it is not done."""
+    try:
+        filling.fill(threads, progress)
+    except BaseException as stopped:
+        told = f"{filling.blank()} of {filling.count} poses"
+        if isinstance(stopped, KeyboardInterrupt):
+            done = results if len(results) > 1 else results[0]
+            raise interrupted(told, done) from None
+        raise

@@ -1,0 +1,153 @@
+"""J_eq of many poses by the kernel: what it is given, and memory of one thread.
+
+`Rates` of `many_rates.c` is one value, so that a walk of paths can ask for all of it as soon as
+they have arrived: what calls C twice comes back to Python with cold caches twice.
+"""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Sequence
+from functools import cache
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pmjac_pin.algebra.c_kernels import COUNT, POINTER, address, loaded
+from pmjac_pin.algebra.tape import Tape
+from pmjac_pin.closing.kernel_walk import Following
+from pmjac_pin.closing.path_kernel import Memory, ProgramStruct
+from pmjac_pin.closing.recorded_rates import DOUBTS
+from pmjac_pin.rates.many_radii import NOTHING, radii_kernel
+from pmjac_pin.values.arrays import Array, Mask
+
+if TYPE_CHECKING:
+    from pmjac_pin.algebra.compiled_programs import CompiledProgram
+
+_Number = ctypes.c_double
+
+
+class CertaintyStruct(ctypes.Structure):
+    """`Certainty`."""
+
+    _fields_ = tuple(
+        (name, _Number)
+        for name in ("tolerance", "weakest", "rank_tolerance", "least_size", "felt", "spread")
+    )
+
+
+class RatesStruct(ctypes.Structure):
+    """`Rates`."""
+
+    _fields_ = (
+        ("program", ProgramStruct),
+        ("asked", CertaintyStruct),
+        *((name, POINTER) for name in ("radii", "nothing")),
+        *((name, COUNT) for name in ("nq", "entries", "more", "count")),
+        *((name, POINTER) for name in ("q", "J_eq", "others", "certain", "linear", "angular")),
+        ("uncertain", COUNT),
+    )
+
+
+class RatesInLanes:
+    """Memory of one thread in which the kernel finds J_eq.
+
+    Parameters
+    ----------
+    library : ctypes.CDLL
+    tape : Tape
+    asked : sequence of float
+        The numbers of `CertaintyStruct`.
+    motors : int
+    compiled : CompiledProgram, optional
+        What computes the same as the tape.
+
+    Attributes
+    ----------
+    following : Following
+        What finds it behind a walk.
+    """
+
+    __slots__ = ("_certain", "_given", "_kept", "_others", "_run", "_struct", "following")
+
+    def __init__(
+        self,
+        library: ctypes.CDLL,
+        tape: Tape,
+        asked: Sequence[float],
+        motors: int,
+        compiled: CompiledProgram | None = None,
+    ) -> None:
+        memory, radii = Memory(tape, library.pmjac_lanes(), compiled), radii_kernel()
+        entries = 6 * motors
+        self._struct = RatesStruct(
+            memory.struct,
+            CertaintyStruct(*asked),
+            None if radii is None else ctypes.cast(radii.pmjac_radii, POINTER),
+            ctypes.addressof(NOTHING),
+            tape.inputs,
+            entries,
+            tape.outputs - DOUBTS - entries,
+        )
+        self._kept, self._run = memory, library.pmjac_rates
+        function = ctypes.cast(library.pmjac_rates, POINTER).value
+        self.following = Following(function, ctypes.addressof(self._struct), self)
+        self._given: object = None
+        self._others, self._certain = np.empty(0), np.empty(0, dtype=bool)
+
+    def take(self, poses: Array, J_eq: Array, radii: Sequence[Array] = ()) -> None:
+        """Take rows of q, and where J_eq goes and the radii of its blocks, row by row.
+
+        The poses may be such as are not known before it runs.
+        """
+        struct, count = self._struct, len(poses)
+        if count > len(self._certain):
+            self._make_room(count)
+        self._given = rows = np.ascontiguousarray(poses)
+        struct.count, struct.uncertain = count, -1
+        struct.q, struct.J_eq = address(rows), address(J_eq)
+        struct.linear, struct.angular = map(address, radii) if radii else (None, None)
+
+    def run(self) -> None:
+        """Find it.
+
+        Raises
+        ------
+        MemoryError
+        """
+        if self._run(self.following.given):
+            raise MemoryError("no memory for singular values")
+
+    @property
+    def is_done(self) -> bool:
+        """Whether all that was taken is found."""
+        return bool(self._struct.uncertain >= 0)
+
+    @property
+    def is_certain(self) -> bool:
+        """Whether it is found, and J_eq certain everywhere."""
+        return bool(self._struct.uncertain == 0)
+
+    def told(self) -> tuple[Array, Mask]:
+        """Give away what the tape gives behind J_eq, (k, N), and where J_eq is certain, (N,)."""
+        count, more = self._struct.count, self._struct.more
+        others = self._others[: more * count].reshape(more, count)
+        certain, self._certain = self._certain[:count], np.empty(0, dtype=bool)
+        return others, certain
+
+    def let_go(self) -> None:
+        """Keep nothing of what was taken: it may be parts of large arrays."""
+        self._given = None
+
+    def _make_room(self, count: int) -> None:
+        self._others = np.empty(self._struct.more * count)
+        self._certain = np.empty(count, dtype=bool)
+        self._struct.others, self._struct.certain = map(address, (self._others, self._certain))
+
+
+@cache
+def rates_kernel() -> ctypes.CDLL | None:
+    """Return the kernel that was built from the source beside it, None where there is none."""
+    own = ("batches/many_rates.c", "closing/walk.h")
+    tapes = ("algebra/tape_kernel.c", "algebra/lanes.h")
+    return loaded("batches/_many_rates.so", *own, *tapes, pmjac_rates=(POINTER,))
