@@ -27,7 +27,7 @@ _SEEN = 100.0  # tolerances: a gap of the square of a distance may have a small 
 _AWAY = 0.1  # of a probe's distance: nearer to home, the loops have only pulled it back
 _TOO_FAR = 20.0  # times a probe's distance: another assembly mode
 _ALL_TOGETHER = 0.05  # of how far joints can be displaced one by one: less is another branch's
-_ROUNDED = 12  # decimals of steps of length 1
+_DECIMALS_OF_STEPS = 12  # which are of length 1: the rest is rounding
 _SHAKEN = 3  # starts of each joint that is displaced and held
 _LEAST_SHARE_OF_RATES = (
     0.05  # a joint's share in the rates that loops allow, below which others are tried
@@ -165,7 +165,9 @@ def _distinct(steps: Iterable[tuple[Array, Array]]) -> list[tuple[Array, Array]]
     """Return the steps less those that agree with one before: a single motor has two ways only."""
     found: dict[bytes, tuple[Array, Array]] = {}
     for step, weights in steps:
-        alike = np.concatenate((step.round(_ROUNDED), weights)) + 0.0  # zeros of either sign
+        alike = (
+            np.concatenate((step.round(_DECIMALS_OF_STEPS), weights)) + 0.0
+        )  # zeros of either sign
         found.setdefault(alike.tobytes(), (step, weights))
     return list(found.values())
 
