@@ -9,12 +9,12 @@ import numpy as np
 
 from pmjac_pin.algebra.one_thread import one_thread_from
 from pmjac_pin.closing.closed import closed_point
-from pmjac_pin.closing.closure import MOST_STEPS, Followed, follow
 from pmjac_pin.closing.closure_problem import ClosureProblem
 from pmjac_pin.closing.damped_closure import Assembled, assemble, motor_weights
 from pmjac_pin.closing.held_motors import assemble_held
 from pmjac_pin.closing.motor_values import MotorValues, by_joint, motor_values
 from pmjac_pin.closing.over_actuation import ties_in_words, walk_led
+from pmjac_pin.closing.straight_path import MOST_STEPS, Followed, follow
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import ArgumentError, ClosureError
 from pmjac_pin.model.limits import Violation, enforced, limit_error
@@ -30,6 +30,10 @@ Guess: TypeAlias = "str | Configuration | Mapping[str, float | Sequence[float]]"
 _ARRIVED = 1e-9  # m or rad
 _GO_ON = "go on from there, the error's `reached`, as guess"
 _IN_BETWEEN = "go there by motor values in between"
+_TOO_NEAR = (
+    "the loops close at these values, so near to a singularity of the straight path of the other "
+    f"motors that which assembly mode they are on is not told; {_IN_BETWEEN}"
+)
 _BESIDE_AN_END = 1e-2  # lengths or rad: nearer to where a path ends, its mode may be the one found
 _FAR_AWAY_GAP = 1e-9  # of the characteristic length: a gap of a pose far away, closed as it can be
 _SAME_POSE = 1e-5  # lengths or rad: what rounding moves a regular pose by, at most
@@ -53,9 +57,10 @@ def close(
     comes closer to singular than 1e-6 ends the path, and only the target itself may be
     singular. `docs/closing_loops.md` says what this rests on: with joints that are not known
     (composite, universal), the three poses alone. With more motors than freedom, as many
-    as may move at will walk straight, and the values of the others must fit at the end; an
-    error says first how the loops tie them. What idles, as a rod that spins about itself, ends
-    where it has not moved from the guess, whatever the steps were (`docs/closing_loops.md`).
+    as may move at will walk straight, and the values of the others must fit at the end, on
+    the same side of each fold of that walk; an error says first how the loops tie them. What
+    idles, as a rod that spins about itself, ends where it has not moved from the guess,
+    whatever the steps were (`docs/closing_loops.md`).
 
     Parameters
     ----------
@@ -237,7 +242,8 @@ def _stopped(
     best = assemble(problem, at_target, motor_weights(problem, 0.0))
     ties = ties_in_words(problem, start._point)
     if path.strayed is not None:
-        message = _forbidden(mechanism, values, path.strayed, best.gap <= problem.tolerance)
+        closes = best.gap <= problem.tolerance
+        message = _forbidden(mechanism, values, path.strayed, closes) if path.proven else _TOO_NEAR
     else:
         going_on = _GO_ON if path.share else _IN_BETWEEN
         apart = problem.difference(path.point.q, best.q) / problem.partition.column_scale

@@ -8,6 +8,15 @@ from mechanisms import RSSR
 
 import pmjac_pin as pj
 
+#: An RSSR whose crank and rocker both turn back.
+FOLDING_RSSR = {
+    "crank": 0.39624289394258017,
+    "rod": 1.8229658090444263,
+    "rocker": [0.9664932864625546, 0.7621956881415934, 0.3758168559972404],
+    "foot": [0.3354421305038132, -0.18904657416632772, -0.10530658465079472],
+    "axis": [-0.9063697800659738, -0.40699879463272415, 0.1133393265846767],
+}
+
 
 def _at(*point):
     return pin.SE3(np.eye(3), np.array(point, dtype=float))
@@ -66,3 +75,23 @@ def gough_on_balls():
         loops.append(pj.PointLoop(frames=(f"tip{leg}", f"top{leg}")))
     motors, home = [f"l{leg}" for leg in range(6)], np.array(home)
     return pj.Mechanism.from_pinocchio(model, loops, motors, "top0", home=home, name="legs")
+
+
+def rod_of_an_rssr(body, motors=("theta",)):
+    """An RSSR whose rod is a distance, or a body on three hinges that spins about itself."""
+    sizes, model = FOLDING_RSSR, pin.Model()
+    theta = model.addJoint(0, pin.JointModelRZ(), _at(0, 0, 0), "theta")
+    hinge = pin.JointModelRevoluteUnaligned(*sizes["axis"])
+    psi = model.addJoint(0, hinge, _at(*sizes["foot"]), "psi")
+    tip = _at(sizes["crank"], 0, 0)
+    _frames(model, (theta, "crank", tip), (psi, "rocker", _at(*sizes["rocker"])))
+    loop = pj.DistanceLoop(frames=("crank", "rocker"), length=sizes["rod"])
+    home = {"theta": -2.7363274182588153, "psi": 1.6556300936016042}
+    if body:
+        at = model.addJoint(theta, pin.JointModelRX(), tip, "rx")
+        at = model.addJoint(at, pin.JointModelRY(), _at(0, 0, 0), "ry")
+        at = model.addJoint(at, pin.JointModelRZ(), _at(0, 0, 0), "rz")
+        _frames(model, (at, "rod", _at(sizes["rod"], 0, 0)))
+        loop = pj.PointLoop(frames=("rod", "rocker"))
+        home |= {"rx": -0.21558591191808468, "ry": -0.3369772249080566, "rz": -3.1050619528635806}
+    return pj.Mechanism.from_pinocchio(model, [loop], list(motors), "rocker", home=home)

@@ -7,6 +7,7 @@ import pinocchio as pin
 import pytest
 
 import pmjac_pin as pj
+from pmjac_pin.viewer.page_state import page_state
 from pmjac_pin.viewer.scene_options import SceneOptions
 from pmjac_pin.viewer.session import Session
 
@@ -246,7 +247,7 @@ def test_a_platform_and_legs_that_both_lead_never_answer_wrong(rng):
 
 def test_the_page_has_sliders_of_one_freedom_only():
     session = Session(walker("free").home, SceneOptions())
-    state = session.state(about=True)
+    state = page_state(session, about=True)
     assert [motor.name for motor in state.about.motors] == ["a"]
     assert state.values == pytest.approx((0.9,))
     session.move([1.1])

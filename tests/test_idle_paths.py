@@ -9,7 +9,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 from idling_machines import flap_on_a_leg, leg_with_a_four_bar, on_a_turntable, tripod
-from idling_rods import gough_on_balls, puck, rod_on_a_ball
+from idling_rods import gough_on_balls, puck, rod_of_an_rssr, rod_on_a_ball
 from mechanisms import CATALOGUE, loaded, rssr
 from random_machines import random_machine
 from recording import recorded, unrecorded
@@ -17,7 +17,7 @@ from scipy.spatial.transform import Rotation
 from test_batch import targets
 
 import pmjac_pin as pj
-from pmjac_pin.closing import closure
+from pmjac_pin.closing import straight_path
 from pmjac_pin.closing.path_kernel import many_paths_kernel
 
 SAME = 1e-11  # of the length, or rad
@@ -140,7 +140,7 @@ def test_steps_of_any_length_lead_to_one_pose(name, rng, monkeypatch):
     mechanism = unrecorded(machine(name))
     values = targets(mechanism, 5, 0.6, rng)
     q, shares = singles(mechanism, values)
-    monkeypatch.setattr(closure, "LARGEST_STEP", 0.04)
+    monkeypatch.setattr(straight_path, "LARGEST_STEP", 0.04)
     again, shares_again = singles(mechanism, values)
     arrived = (shares == 1.0) & (shares_again == 1.0)
     assert np.count_nonzero(arrived) > 2
@@ -201,43 +201,10 @@ def test_each_path_has_its_own_start(rng):
         assert apart(mechanism, [q], [single.q]) < SAME
 
 
-ROCKER = [0.9664932864625546, 0.7621956881415934, 0.3758168559972404]
-FOOT = [0.3354421305038132, -0.18904657416632772, -0.10530658465079472]
-AXIS = [-0.9063697800659738, -0.40699879463272415, 0.1133393265846767]
-HOME = {
-    "theta": -2.7363274182588153,
-    "psi": 1.6556300936016042,
-    "rx": -0.21558591191808468,
-    "ry": -0.3369772249080566,
-    "rz": -3.1050619528635806,
-}
-
-
-def rod_of_an_rssr(body):
-    """An RSSR whose rod is a distance, or a body on three hinges that spins about itself."""
-    crank, rod, model = 0.39624289394258017, 1.8229658090444263, pin.Model()
-    foot, tip = pin.SE3(np.eye(3), np.array(FOOT)), pin.SE3(np.eye(3), np.array([crank, 0, 0]))
-    theta = model.addJoint(0, pin.JointModelRZ(), pin.SE3.Identity(), "theta")
-    psi = model.addJoint(0, pin.JointModelRevoluteUnaligned(*AXIS), foot, "psi")
-    frames = {"crank": (theta, tip), "rocker": (psi, pin.SE3(np.eye(3), np.array(ROCKER)))}
-    if body:
-        ends, rx = pin.SE3(np.eye(3), np.array([rod, 0, 0])), pin.JointModelRX()
-        at = model.addJoint(theta, rx, tip, "rx")
-        at = model.addJoint(at, pin.JointModelRY(), pin.SE3.Identity(), "ry")
-        frames["rod"] = model.addJoint(at, pin.JointModelRZ(), pin.SE3.Identity(), "rz"), ends
-    for name, (joint, place) in frames.items():
-        model.addFrame(pin.Frame(name, joint, place, pin.FrameType.OP_FRAME))
-    loop = pj.PointLoop(frames=("rod", "rocker"))
-    if not body:
-        loop = pj.DistanceLoop(frames=("crank", "rocker"), length=rod)
-    home = {name: HOME[name] for name in list(model.names)[1:]}
-    return pj.Mechanism.from_pinocchio(model, [loop], ["theta"], "rocker", home=home)
-
-
 def test_beside_a_fold_nothing_is_brought_back_onto_another_mode():
     """Where the modes are near, and what idles has gone far: the rocker says on which it is."""
     alone, machine = rod_of_an_rssr(body=False), rod_of_an_rssr(body=True)
-    many, first, compared = pj.batch(machine), HOME["theta"], 0
+    many, first, compared = pj.batch(machine), machine.home.actuated[0], 0
     for way in (6.0, -6.0):
         with pytest.raises(pj.ClosureError) as caught:
             alone.close([first + way], enforce_limits=False)

@@ -12,10 +12,10 @@ from test_batch import NAMES, single, targets
 
 import pmjac_pin as pj
 from pmjac_pin.algebra.tape_runner import run
-from pmjac_pin.closing.closure import MOST_STEPS
 from pmjac_pin.closing.many_paths import FEW, LONG
 from pmjac_pin.closing.path_kernel import many_paths_kernel
 from pmjac_pin.closing.recorded_step import BOUNDS
+from pmjac_pin.closing.straight_path import MOST_STEPS
 
 FOLDING = ("five_bar", "bricard", "planar_3rpr", "planar_3rrr", "three_rps", "three_rps_ss")
 SAME = 1e-8  # of the way: steps on both sides become shorter than can be resolved

@@ -133,7 +133,7 @@ def test_values_that_fit_but_on_no_straight_path_of_some_motors_are_told_so():
 
 
 def test_a_path_that_is_too_long_for_one_call_goes_on_from_where_it_ended(monkeypatch):
-    monkeypatch.setattr("pmjac_pin.closing.closure.MOST_STEPS", 600)
+    monkeypatch.setattr("pmjac_pin.closing.straight_path.MOST_STEPS", 600)
     mechanism = loaded("four_bar")
     target = mechanism.home.actuated + 2 * np.pi * 20
     calls, guess = 0, mechanism.home

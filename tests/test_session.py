@@ -28,6 +28,7 @@ from pmjac_pin.viewer.messages import (
     SetLoad,
     decode,
 )
+from pmjac_pin.viewer.page_state import page_state
 from pmjac_pin.viewer.readout import make_readout
 from pmjac_pin.viewer.scene_options import SceneOptions
 from pmjac_pin.viewer.session import Session
@@ -62,7 +63,7 @@ def test_an_update_finds_each_thing_once(name, monkeypatch):
         counted.clear()
         session.obey(MoveMotors(values=(home + 0.01 * step).tolist()))
         session.scene()
-        session.state()
+        page_state(session)
         assert counted == {
             "velocity_ellipsoid m/s": 1,
             "velocity_ellipsoid rad/s": 1,
@@ -228,7 +229,7 @@ def test_a_pose_that_does_not_close_is_left_out(monkeypatch):
 
     monkeypatch.setattr(type(mechanism), "pose", broken)
     session = Session(mechanism.home, SceneOptions())
-    assert session.state(about=True).about.poses == ("home", "lecture_a", "view")
+    assert page_state(session, about=True).about.poses == ("home", "lecture_a", "view")
     session.obey(MoveMotors(values=[1.1, 1.0, 1.0]))
 
 
@@ -275,7 +276,7 @@ def test_options_choose_what_is_drawn():
     before = drawn()
     session.obey(Options(linear=True, angular=True, force=False, names=True, scale=2.0))
     assert drawn() - before
-    assert session.state().drawn.scale == 2.0
+    assert page_state(session).drawn.scale == 2.0
 
 
 def test_another_mechanism_is_refused():
@@ -301,7 +302,7 @@ def test_an_update_computes_jacobian_and_ellipsoids_once(monkeypatch):
     monkeypatch.setattr("pmjac_pin.rates.tool_reach.velocity_ellipsoid", counted)
     session.obey(MoveMotors(values=[1.2, 1.0, 1.0]))
     session.scene()
-    session.state()
+    page_state(session)
     assert sorted(computed) == ["m/s", "rad/s"]
 
 
@@ -323,7 +324,7 @@ def test_the_page_says_in_what_motors_are_counted(name, rates, efforts):
         mechanism = pj.Mechanism.from_pinocchio(model, [], ["slide", "turn"], "tip")
     else:
         mechanism = loaded(name)
-    about = Session(mechanism.home, SceneOptions()).state(about=True).about
+    about = page_state(Session(mechanism.home, SceneOptions()), about=True).about
     told = f"Ellipsoids: motor rates together 1 in {rates}, efforts together 1 in {efforts}."
     assert about.counted == told
 
@@ -385,7 +386,7 @@ def test_at_a_singularity_there_is_no_jacobian_and_the_readout_says_why():
     assert readout.warning.level == "singular"
     assert "gain" in readout.warning.text
     assert "no J_eq exists" in readout.refusal
-    state = json.loads(encoded(session.state()))
+    state = json.loads(encoded(page_state(session)))
     assert state["readout"]["J_eq"] is None
 
 
@@ -499,7 +500,7 @@ def test_motors_without_limits_get_sensible_sliders():
     model.addFrame(pin.Frame("tip", slide, pin.SE3(np.eye(3), np.ones(3)), pin.FrameType.OP_FRAME))
     mechanism = pj.Mechanism.from_pinocchio(model, [], ["turn", "slide"], "tip")
     session = Session(mechanism.home, SceneOptions())
-    turn, slider = session.state(about=True).about.motors
+    turn, slider = page_state(session, about=True).about.motors
     assert not turn.limited
     assert not slider.limited
     assert (turn.lower, turn.upper) == pytest.approx((-math.pi, math.pi))
@@ -591,7 +592,7 @@ def test_efforts_of_a_hung_weight_do_its_work(name):
     """Virtual work without the library's statics: τᵀ θ̇ = m g ż, and what the bodies' own asks."""
     session = session_of(name)
     session.obey(pushed(mass=3.0))
-    load, home = session.state().load, session.configuration
+    load, home = page_state(session).load, session.configuration
     own = home.statics().efforts
     jacobian = home.jacobian().Jv_eq
     efforts = np.array([one.value for one in load.efforts]) - own
@@ -604,7 +605,7 @@ def test_efforts_of_a_hung_weight_do_its_work(name):
 def test_a_force_has_size_and_direction():
     session = session_of("five_bar")
     session.obey(pushed(kind="force", size=8.0, azimuth=0.7, elevation=-0.4))
-    load = session.state().load
+    load = page_state(session).load
     expected = [math.cos(-0.4) * math.cos(0.7), math.cos(-0.4) * math.sin(0.7), math.sin(-0.4)]
     np.testing.assert_allclose(load.force, 8.0 * np.array(expected), atol=1e-14)
     jacobian = session.configuration.jacobian().Jv_eq
@@ -618,14 +619,14 @@ def test_efforts_beyond_their_limits_are_told_and_only_those():
     limit = 3 * 100.0 * math.cos(math.pi / 6) / 9.81
     for share, beyond in ((0.999, False), (1.001, True)):
         session.obey(pushed(mass=share * limit))
-        assert session.state().load.beyond == (beyond,) * 3
+        assert page_state(session).load.beyond == (beyond,) * 3
 
 
 def test_a_load_stays_while_the_motors_move_and_with_other_lengths():
     session = session_of()
     session.obey(pushed(mass=2.0))
     session.obey(MoveMotors(values=[1.1, 1.0, 0.9]))
-    load = session.state().load
+    load = page_state(session).load
     assert load.mass == 2.0
     jacobian = session.configuration.jacobian().Jv_eq
     efforts = [one.value for one in load.efforts]
@@ -636,7 +637,7 @@ def test_at_a_singular_pose_the_load_is_refused_in_words_and_the_rest_stays():
     session = session_of(velocity_polytope=True, force_polytope=True)
     session.obey(pushed(mass=2.0))
     session.obey(MoveMotors(values=[1.0, 3.0, 1.0]))
-    state = session.state()
+    state = page_state(session)
     assert "singular" in state.load.refusal
     assert "no J_eq exists" in state.load.reason
     assert all(math.isnan(one.value) and one.limit == 100.0 for one in state.load.efforts)
@@ -646,7 +647,7 @@ def test_at_a_singular_pose_the_load_is_refused_in_words_and_the_rest_stays():
     assert not [i for i in session.scene().items if i.visible and "polytope" in i.name]
     for back in ([1.0, 1.9, 1.0], [1.1, 1.0, 0.9]):
         session.obey(MoveMotors(values=back))
-    state = session.state()
+    state = page_state(session)
     assert (state.load.refusal, state.drawn.no_polytopes) == ("", {})
     assert len([i for i in session.scene().items if i.visible and "polytope" in i.name]) == 6
 
@@ -655,7 +656,7 @@ def test_motors_that_are_tied_have_the_smallest_efforts_and_say_so():
     tied = pj.load("four_bar", actuated=["theta1", "phi1"])
     session = Session(tied.home, SceneOptions(velocity_polytope=True))
     session.obey(pushed(kind="force", size=10.0, azimuth=-math.pi / 2))
-    state = session.state()
+    state = page_state(session)
     assert "work against each other" in state.load.note
     efforts = np.array([one.value for one in state.load.efforts])
     allowed = tied.home.allowed_jacobian()
@@ -684,11 +685,11 @@ def test_loads_that_are_none_are_refused_and_nothing_changes(changes, said):
 @pytest.mark.parametrize("name", mechanisms.CATALOGUE)
 def test_sliders_of_a_load_go_beyond_what_the_motors_hold_at_home(name):
     session = session_of(name)
-    mass, size, azimuth, elevation = session.state(about=True).about.load
+    mass, size, azimuth, elevation = page_state(session, about=True).about.load
     assert (mass.unit, size.unit, azimuth.unit, elevation.unit) == ("kg", "N", "rad", "rad")
     assert 0.0 < mass.upper <= 2e6
     assert 0.0 < size.upper <= 2e6
     session.obey(pushed(mass=mass.upper))
     moved = np.abs(session.configuration.jacobian().Jv_eq[2]).max() > 1e-6
     if moved:
-        assert any(session.state().load.beyond)
+        assert any(page_state(session).load.beyond)

@@ -14,8 +14,7 @@ from mechanisms import loaded
 
 import pmjac_pin as pj
 from pmjac_pin.closing.arms import without_arms
-from pmjac_pin.closing.closed import closed_point
-from pmjac_pin.closing.closure import is_invertible
+from pmjac_pin.closing.closed import closed_point, is_invertible
 from pmjac_pin.closing.step_guard import StepGuard
 
 NOTHING = np.full(1, 1e9)

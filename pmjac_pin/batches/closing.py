@@ -10,12 +10,12 @@ from pmjac_pin.algebra.compiled_programs import CompiledPrograms
 from pmjac_pin.batches.one_by_one import close_one
 from pmjac_pin.batches.pieces import Piece
 from pmjac_pin.batches.results import Status, Statuses
-from pmjac_pin.closing.closure import LARGEST_STEP, MOST_STEPS
 from pmjac_pin.closing.kernel_walk import Following
 from pmjac_pin.closing.many_idle_paths import ManyIdlePaths
 from pmjac_pin.closing.many_paths import GoOn, Paths, Walker
 from pmjac_pin.closing.path_kernel import many_paths_kernel
 from pmjac_pin.closing.paths_in_lanes import PathsInLanes
+from pmjac_pin.closing.straight_path import LARGEST_STEP, MOST_STEPS
 from pmjac_pin.errors import ClosureError, MissingDependencyError
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.limits import beyond_limits

@@ -24,7 +24,6 @@ from pmjac_pin.batches.results import (
     Status,
     Statuses,
 )
-from pmjac_pin.closing.closure import HARDLY_ANYTHING, LARGEST_STEP, MOST_STEPS
 from pmjac_pin.closing.closure_problem import CLOSURE_TOLERANCE, ClosureProblem
 from pmjac_pin.closing.design_homes import DesignHomes, DesignsOfFile
 from pmjac_pin.closing.design_programs import DesignPrograms
@@ -32,6 +31,7 @@ from pmjac_pin.closing.many_paths import Paths, Walker
 from pmjac_pin.closing.path_kernel import many_paths_kernel
 from pmjac_pin.closing.paths_in_lanes import PathsInLanes
 from pmjac_pin.closing.recorded_rates import DOUBTS
+from pmjac_pin.closing.straight_path import HARDLY_ANYTHING, LARGEST_STEP, MOST_STEPS
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.limits import beyond_limits
 from pmjac_pin.rates.many_radii import fill_radii

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pmjac_pin.closing.closed import Closed
-from pmjac_pin.closing.closure import LARGEST_STEP, MOST_STEPS, Followed, follow, is_singular
+from pmjac_pin.closing.closed import Closed, is_singular
 from pmjac_pin.closing.closure_problem import ClosureProblem
 from pmjac_pin.closing.idle_way import IdleWay, parts_of
 from pmjac_pin.closing.step_guard import StepGuard
+from pmjac_pin.closing.straight_path import LARGEST_STEP, MOST_STEPS, Followed, follow
 from pmjac_pin.values.arrays import Array, norm
 
 _HALVINGS = 6  # of pieces that go too far

@@ -30,8 +30,7 @@ import numpy as np
 import pinocchio as pin
 
 from pmjac_pin.algebra.floats import Floats
-from pmjac_pin.closing.closed import Closed, closed_point
-from pmjac_pin.closing.closure import passive_motion
+from pmjac_pin.closing.closed import Closed, closed_point, passive_motion
 from pmjac_pin.closing.closure_problem import ClosureProblem
 from pmjac_pin.closing.step_guard import StepGuard
 from pmjac_pin.kinematics.joint_steps import arriving, between

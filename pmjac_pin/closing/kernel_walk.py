@@ -10,7 +10,8 @@ import numpy as np
 
 from pmjac_pin.algebra.c_kernels import address
 from pmjac_pin.algebra.tape import Tape
-from pmjac_pin.closing import closure
+from pmjac_pin.closing import newton_correction, straight_path
+from pmjac_pin.closing.closed import NO_INVERSE
 from pmjac_pin.closing.closure_problem import ROUNDING, ClosureProblem
 from pmjac_pin.closing.path_kernel import (
     LaneStruct,
@@ -76,17 +77,17 @@ class KernelMachine:
             scale=address(self._scale),
             tolerance=tolerance,
             enough=ROUNDING * length,
-            walking=closure.WALKING * length,
+            walking=newton_correction.WALKING * length,
             rank_tolerance=rank_tolerance,
             least_size=least_size,
-            largest_step=closure.LARGEST_STEP * length,
-            smallest_step=closure.SMALLEST_STEP * length,
-            largest_correction=closure.LARGEST_CORRECTION,
-            slowest_contraction=closure.SLOWEST_CONTRACTION,
-            no_inverse=closure.NO_INVERSE,
+            largest_step=straight_path.LARGEST_STEP * length,
+            smallest_step=straight_path.SMALLEST_STEP * length,
+            largest_correction=newton_correction.LARGEST_CORRECTION,
+            slowest_contraction=newton_correction.SLOWEST_CONTRACTION,
+            no_inverse=NO_INVERSE,
             margin=MARGIN,
             arrival_tolerance=arrival_tolerance,
-            most_corrections=closure.MOST_CORRECTIONS,
+            most_corrections=newton_correction.MOST_CORRECTIONS,
         )
 
 
@@ -185,9 +186,9 @@ class KernelWalk:
     def take(
         self,
         paths: PathsToWalk,
-        most_tries: int = closure.MOST_STEPS,
+        most_tries: int = straight_path.MOST_STEPS,
         few: int = 0,
-        patience: int = closure.MOST_STEPS,
+        patience: int = straight_path.MOST_STEPS,
         inverse: float = 0.0,
     ) -> None:
         """Take paths to walk: of at most so many steps, of the last few of fewer.

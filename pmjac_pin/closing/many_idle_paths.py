@@ -9,7 +9,6 @@ import numpy as np
 
 from pmjac_pin.algebra.tape import Tape
 from pmjac_pin.algebra.tape_runner import run
-from pmjac_pin.closing.closure import LARGEST_STEP, MOST_STEPS
 from pmjac_pin.closing.closure_problem import ClosureProblem
 from pmjac_pin.closing.idle_way import (
     LARGEST_RETURN,
@@ -20,6 +19,7 @@ from pmjac_pin.closing.idle_way import (
     parts_of,
 )
 from pmjac_pin.closing.many_paths import Paths, covered
+from pmjac_pin.closing.straight_path import LARGEST_STEP, MOST_STEPS
 from pmjac_pin.model.coordinates import JointCoordinates
 from pmjac_pin.rates.rank_bounds import RankBounds
 from pmjac_pin.values.arrays import Array, Index, Mask

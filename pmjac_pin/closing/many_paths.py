@@ -1,4 +1,4 @@
-"""Many paths at once, each a straight one of the motors, as `closure.follow` walks a single one.
+"""Many paths at once, each a straight one of the motors, as `straight_path.follow` walks one.
 
 The paths take their steps together, each of its own length. Whether a step is covered is judged by
 norms here (`recorded_step`), which may ask for shorter steps than `StepGuard`, and so may where a
@@ -16,9 +16,10 @@ import numpy as np
 
 from pmjac_pin.algebra.tape import Tape
 from pmjac_pin.algebra.tape_runner import run
-from pmjac_pin.closing import closure
-from pmjac_pin.closing.closed import closed_point
+from pmjac_pin.closing import newton_correction, straight_path
+from pmjac_pin.closing.closed import NO_INVERSE, closed_point
 from pmjac_pin.closing.closure_problem import ROUNDING, ClosureProblem
+from pmjac_pin.closing.path_points import PathPoints
 from pmjac_pin.closing.recorded_step import BOUNDS
 from pmjac_pin.closing.step_guard import MARGIN
 from pmjac_pin.model.coordinates import JointCoordinates
@@ -28,76 +29,6 @@ from pmjac_pin.values.arrays import Array, Index, Mask
 LONG, FEW = 300, 2  # so few paths with so many steps behind them are walked one by one sooner
 
 GoOn: TypeAlias = Callable[[], object]
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class PathPoints:
-    """Poses and what is known there, one column each.
-
-    Attributes
-    ----------
-    numbers : ndarray, shape (nq + 5 + 2 nv, b)
-        As `RecordedRates.arrival_tape` gives them.
-    nq : int
-    """
-
-    numbers: Array
-    nq: int
-
-    def __getitem__(self, which: Index | Mask) -> PathPoints:
-        return PathPoints(self.numbers[:, which], self.nq)
-
-    def put(self, which: Index, others: PathPoints) -> None:
-        """Take others' columns in place of some of these."""
-        self.numbers[:, which] = others.numbers
-
-    @property
-    def q(self) -> Array:
-        """Shape (nq, b)."""
-        return self.numbers[: self.nq]
-
-    @property
-    def gap(self) -> Array:
-        """How far the loops are open, m."""
-        return self._known(0)
-
-    @property
-    def inverse(self) -> Array:
-        """‖K*⁻¹‖, dimensionless."""
-        return self._known(1)
-
-    @property
-    def size(self) -> Array:
-        """‖[K K*]‖, dimensionless."""
-        return self._known(2)
-
-    @property
-    def correction(self) -> Array:
-        """The size of `newton`, a rad counted as one length."""
-        return self._known(3)
-
-    @property
-    def pace(self) -> Array:
-        """The size of `velocity`."""
-        return self._known(4)
-
-    @property
-    def newton(self) -> Array:
-        """What closes the loops, (nv, b)."""
-        return self.numbers[self.nq + 5 :][: self._nv]
-
-    @property
-    def velocity(self) -> Array:
-        """How all joints follow the motors, (nv, b)."""
-        return self.numbers[self.nq + 5 + self._nv :]
-
-    @property
-    def _nv(self) -> int:
-        return (len(self.numbers) - self.nq - 5) // 2
-
-    def _known(self, place: int) -> Array:
-        known: Array = self.numbers[self.nq + place]
-        return known
 
 
 class Paths(NamedTuple):
@@ -151,7 +82,7 @@ class Walker:
         displacement: Array,
         target: Array,
         go_on: GoOn,
-        most_steps: int = closure.MOST_STEPS,
+        most_steps: int = straight_path.MOST_STEPS,
         *,
         design: Array | None = None,
         ends: tuple[Array, Array] | None = None,
@@ -182,18 +113,10 @@ class Walker:
             going, stride = self._strides(here, going, step, 1.0 - share)
             if going.size <= (FEW if tried >= LONG else 0):
                 break
-            last = stride >= 1.0 - share[going]
-            start = here[going]
-            tangent = start.velocity * stride
-            ahead = self._ahead(start.q, tangent, last, target[going])
-            step[going] = 0.5 * stride
-            allowed = closure.LARGEST_CORRECTION * stride * start.pace
-            found, good = self._correct(ahead, allowed, displacement[:, going], last)
-            steps = [start.q[:, good], found.q, tangent[:, good], found.velocity * stride[good]]
-            known = start.inverse[good], found.inverse, own[:, going[good]]
-            proven = covered(run(self.leg, np.vstack([*steps, *known])))
-            good = good[proven]
-            done, found = going[good], found[proven]
+            last, step[going] = stride >= 1.0 - share[going], 0.5 * stride
+            steps = stride, last, target[going], displacement[:, going]
+            found, good = self._stepped(here[going], *steps)
+            done = going[good]
             here.put(done, found)
             share[done] = np.where(last[good], 1.0, share[done] + stride[good])
             step[done] = 2.0 * stride[good]
@@ -228,10 +151,25 @@ class Walker:
     ) -> tuple[Index, Array]:
         """Return the paths that go on, and how far in one step, as a share of the whole way."""
         length, pace = self.problem.partition.length, here.pace[going]
-        most = np.where(pace > 0.0, closure.LARGEST_STEP * length / np.maximum(pace, 1e-300), 1.0)
+        most = np.where(
+            pace > 0.0, straight_path.LARGEST_STEP * length / np.maximum(pace, 1e-300), 1.0
+        )
         stride = np.minimum(np.minimum(step[going], most), left[going])
-        on = (stride == left[going]) | (stride * pace >= closure.SMALLEST_STEP * length)
+        on = (stride == left[going]) | (stride * pace >= straight_path.SMALLEST_STEP * length)
         return going[on], stride[on]
+
+    def _stepped(
+        self, start: PathPoints, stride: Array, last: Mask, target: Array, displacement: Array
+    ) -> tuple[PathPoints, Index]:
+        """Take one step of each path; return where those lead that are covered, and which."""
+        tangent = start.velocity * stride
+        ahead = self._ahead(start.q, tangent, last, target)
+        allowed = newton_correction.LARGEST_CORRECTION * stride * start.pace
+        found, good = self._correct(ahead, allowed, displacement, last)
+        steps = [start.q[:, good], found.q, tangent[:, good], found.velocity * stride[good]]
+        known = start.inverse[good], found.inverse, displacement[target.shape[1] :, good]
+        proven = covered(run(self.leg, np.vstack([*steps, *known])))
+        return found[proven], good[proven]
 
     def _ahead(self, q: Array, tangent: Array, last: Mask, target: Array) -> Array:
         """Return q ⊕ v (nq, b), the motors at their targets (b, n) where the step is the last."""
@@ -242,13 +180,13 @@ class Walker:
     def _correct(
         self, q: Array, allowed: Array, displacement: Array, last: Mask
     ) -> tuple[PathPoints, Index]:
-        """Newton on the passive joints, as `closure` does; return what it closed, and which."""
-        enough = np.where(last, ROUNDING, closure.WALKING) * self.problem.partition.length
+        """Newton on the passive joints, as `corrected` does; return what it closed, and which."""
+        enough = np.where(last, ROUNDING, newton_correction.WALKING) * self.problem.partition.length
         found = self.at(q, displacement)
         left, at, good = np.arange(len(last)), found, np.zeros(len(last), dtype=bool)
         before = np.full(len(last), np.inf)
         earlier, foretold = np.full((2, len(last)), np.nan)
-        for _ in range(closure.MOST_CORRECTIONS):
+        for _ in range(newton_correction.MOST_CORRECTIONS):
             size, closed = at.correction, at.gap <= self.problem.tolerance
             done = closed & ~np.isfinite(size) | (at.gap <= enough[left])
             done |= closed & ((foretold <= enough[left]) | (at.gap > 0.5 * before))
@@ -260,11 +198,11 @@ class Walker:
             if not left.size:
                 break
             at = at[on]
-            allowed, before = closure.SLOWEST_CONTRACTION * size[on], at.gap
-            foretold = closure.next_correction(earlier[on], size[on])
+            allowed, before = newton_correction.SLOWEST_CONTRACTION * size[on], at.gap
+            foretold = newton_correction.next_correction(earlier[on], size[on])
             earlier = np.where(size[on] > 0.0, size[on], np.nan)
             at = self.at(at.q, displacement[:, left], at.newton)
-        good &= found.inverse * found.size * closure.NO_INVERSE < 1.0
+        good &= found.inverse * found.size * NO_INVERSE < 1.0
         return found[good], np.flatnonzero(good)
 
 
@@ -291,7 +229,7 @@ def judged(problem: ClosureProblem, paths: Paths, displacement: Array, doubtful:
     partition = problem.partition
     scaled = displacement / partition.column_scale[partition.actuated]
     left = (1.0 - paths.share) * np.linalg.norm(scaled, axis=1)
-    settled = paths.settled & (left > closure.HARDLY_ANYTHING * partition.length)
+    settled = paths.settled & (left > straight_path.HARDLY_ANYTHING * partition.length)
     for index in np.flatnonzero(settled & doubtful).tolist():
         factors = closed_point(problem, paths.q[index].copy()).factors
         settled[index] = factors.rank < partition.passive_rank

@@ -1,6 +1,6 @@
 """One path of the motors by recorded programs, for as long as all of it is certain.
 
-As `closure.follow` walks it, step by step, in the kernel (`path_kernel.c`); whether a step is
+As `straight_path.follow` walks it, step by step, in the kernel (`path_kernel.c`); whether a step is
 covered is judged by norms (`recorded_step`). A path that this leaves is for `follow` to go on with.
 """
 
@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pmjac_pin.algebra.tape import Tape
-from pmjac_pin.closing import closure
+from pmjac_pin.closing import straight_path
 from pmjac_pin.closing.closure_problem import ClosureProblem
 from pmjac_pin.closing.kernel_walk import SPENT, KernelMachine, KernelWalk, PathsToWalk
 from pmjac_pin.closing.motor_values import Motors
@@ -59,7 +59,7 @@ class OnePath:
         partition = problem.partition
         self._library, self._tapes, self._motors = library, tapes, motors
         self._scale = 1.0 / partition.motor_scale
-        self._farthest = closure.MOST_STEPS * closure.LARGEST_STEP * partition.length
+        self._farthest = straight_path.MOST_STEPS * straight_path.LARGEST_STEP * partition.length
         rank_tolerance = partition.rank_tolerance / SURELY
         self._machine = KernelMachine(
             problem,

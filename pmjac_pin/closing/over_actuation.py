@@ -14,14 +14,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from pmjac_pin.closing.closed import Closed, closed_point
-from pmjac_pin.closing.closure import Followed, beside, follow
-from pmjac_pin.closing.closure_problem import ClosureProblem
+from pmjac_pin.closing.closure_problem import ROUNDING, ClosureProblem
 from pmjac_pin.closing.step_guard import StepGuard
+from pmjac_pin.closing.straight_path import Followed, beside, follow
 from pmjac_pin.model.coordinates import JointCoordinates
-from pmjac_pin.values.arrays import Array, Index
+from pmjac_pin.values.arrays import Array, Index, norm
 from pmjac_pin.values.ties import pivots
 
 _NO_RATE = 1e-9  # of the largest ratio between rates of motors, or of one to one
+_AT_A_FOLD = 1e-12  # relative singular value of K*: that of rounding, on no side of a fold
 
 
 def walk_led(
@@ -46,8 +47,12 @@ def walk_led(
     values : ndarray, shape (n,)
         Of the motors, at the end of the path.
     """
-    driven, motors = lead(problem, point), problem.partition.actuated
+    partition, motors = problem.partition, problem.partition.actuated
     displacement = coordinates.motion_to(point.q, motors, values)
+    if norm(displacement / partition.motor_scale) <= ROUNDING * partition.length:
+        stays = coordinates.with_values(point.q, motors, values)
+        return Followed(closed_point(problem, stays), 1.0, 0)
+    driven = lead(problem, point)
     columns = driven.problem.partition.actuated
 
     def at_target(q: Array) -> Array:
@@ -58,9 +63,27 @@ def walk_led(
     if path.share < 1.0:
         return path._replace(point=closed_point(problem, path.point.q))
     q = coordinates.with_values(path.point.q, motors, values)
-    if (arrived := beside(problem, path.point.q, q)) is None:
+    arrived = beside(problem, path.point.q, q)
+    if arrived is None:
         return Followed(point, 0.0, path.iterations, strayed=path.point.q)
+    if not _is_led_there(driven.problem, guard, path, arrived):
+        return path._replace(point=point, share=0.0, strayed=path.point.q)
     return Followed(arrived, 1.0, path.iterations)
+
+
+def _is_led_there(
+    driven: ClosureProblem, guard: StepGuard, path: Followed, arrived: Closed
+) -> bool:
+    """Tell whether a pose right beside the end of a path is on the same side of each fold of it.
+
+    The way between them, with the leading motors at rest, is covered then as a step is. At a fold
+    itself both sides are one pose.
+    """
+    partition, there = driven.partition, closed_point(driven, arrived.q)
+    if not there.factors.exceeds(partition.passive_rank, _AT_A_FOLD * there.factors.size):
+        return True
+    at_rest = np.zeros(partition.column_scale.size)
+    return path.proven and guard.covers(driven, path.point, there, at_rest, at_rest)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

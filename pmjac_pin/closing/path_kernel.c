@@ -1,7 +1,7 @@
 /* Runs tapes, and walks paths of the motors, LANES of them at a time: one here, many in
  * `many_paths.c`. Plain C99.
  *
- * `closing/closure.py` says how a path is walked, `closing/recorded_step.py` when a step is
+ * `closing/straight_path.py` says how a path is walked, `closing/recorded_step.py` when a step is
  * covered. A path is walked here for as long as all of it is certain: K* regular at both ends of
  * each step, and the step covered by norms. What is not, others decide. All that is known of the
  * mechanism is in programs. `Walker` runs the same ones without this kernel.

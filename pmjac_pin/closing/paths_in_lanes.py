@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pmjac_pin.algebra.tape import Tape
-from pmjac_pin.closing import closure
+from pmjac_pin.closing import straight_path
 from pmjac_pin.closing.closed import closed_point
 from pmjac_pin.closing.closure_problem import ClosureProblem
 from pmjac_pin.closing.kernel_walk import (
@@ -76,7 +76,7 @@ class PathsInLanes:
         displacement: Array | None,
         target: Array,
         go_on: GoOn,
-        most_steps: int = closure.MOST_STEPS,
+        most_steps: int = straight_path.MOST_STEPS,
         *,
         design: Array | None = None,
         ends: tuple[Array, Array] | None = None,

@@ -113,12 +113,27 @@ class StepGuard:
         aside : ndarray, shape (nv,), optional
             How far motors are from the cubic curve at most, m or rad: 0 where they move straight.
         """
-        partition = problem.partition
-        passive = partition.passive
-        if not partition.passive_rank:
+        if not problem.partition.passive_rank:
             return True
+        step = self._cubic(problem, (start, end), (leaving, arriving), aside)
+        # Loops that follow one another show in the joints themselves, what turns as a whole in
+        # the singular vectors.
+        return self._contracts(step, None) or self._contracts(
+            step, start.factors.right[: problem.partition.passive_rank].T
+        )
+
+    def _cubic(
+        self,
+        problem: ClosureProblem,
+        ends: tuple[Closed, Closed],
+        rates: tuple[Array, Array],
+        aside: Array | None,
+    ) -> _ScaledStep:
+        """Return what is measured and bounded of a step along the cubic curve."""
+        (start, end), partition = ends, problem.partition
+        passive = partition.passive
         inverse = start.factors.inverse(partition.passive_rank)
-        half, motion = self._curve(start.q, end.q, leaving, arriving)
+        half, motion = self._curve(start.q, end.q, *rates)
         residual, jacobian = problem.evaluate(problem.integrate(start.q, half))
         straight = inverse.dot((end.scaled - start.scaled).take(passive, axis=1))
         off = self._bends.off_closure * self._bends.block_norms(residual)[:, None]
@@ -127,25 +142,12 @@ class StepGuard:
         open_by = self._open_by(motion, partition.row_scale, end.residual - start.residual)
         middle = inverse.dot((scaled - start.scaled).take(passive, axis=1))
         if aside is not None:
-            sizes = PARABOLA * np.maximum.reduce(
-                [np.abs(start.scaled), scaled, -scaled, np.abs(end.scaled)]
-            )
-            sizes += left_out + self._bends.within(motion, aside) * partition.scale
-            open_by += sizes.dot(aside / partition.column_scale)
-        step = _ScaledStep(
-            partition,
-            motion,
-            inverse,
-            (straight, middle - 0.5 * straight),
-            left_out.take(passive, axis=1),
-            open_by,
-            aside,
-        )
-        # Loops that follow one another show in the joints themselves, what turns as a whole in
-        # the singular vectors.
-        return self._contracts(step, None) or self._contracts(
-            step, start.factors.right[: partition.passive_rank].T
-        )
+            beyond = left_out + self._bends.within(motion, aside) * partition.scale
+            seen = start.scaled, scaled, end.scaled
+            open_by += _largest_entries(seen, beyond).dot(aside / partition.column_scale)
+        changes = straight, middle - 0.5 * straight
+        left_out = left_out.take(passive, axis=1)
+        return _ScaledStep(partition, motion, inverse, changes, left_out, open_by, aside)
 
     def covers_straight(self, problem: ClosureProblem, start: Closed, end: Closed) -> bool:
         """Tell whether the ends alone prove the path regular, its motors moving straight.
@@ -239,6 +241,13 @@ class StepGuard:
         bound = self._bends.within(step.motion, reach) * partition.scale
         bound = bound.take(partition.passive, axis=1)
         return bound if mixed is None else bound.dot(mixed)
+
+
+def _largest_entries(seen: tuple[Array, Array, Array], beyond: Array) -> Array:
+    """Return sizes of [K K*] on a step at most: of the parabola through three, and beyond it."""
+    start, middle, end = seen
+    sizes: Array = np.maximum.reduce([np.abs(start), middle, -middle, np.abs(end)])
+    return PARABOLA * sizes + beyond
 
 
 def _at_least_one(weights: Array) -> bool:

@@ -31,6 +31,7 @@ from pmjac_pin.viewer.messages import (
     decode,
 )
 from pmjac_pin.viewer.mode_finder import ModeFinder
+from pmjac_pin.viewer.page_state import page_state
 from pmjac_pin.viewer.scene import solids_of
 from pmjac_pin.viewer.session import Session
 from pmjac_pin.viewer.slice_finder import SliceFinder
@@ -114,7 +115,7 @@ class Hub:
     def add_page(self, page: object, send: Send) -> None:
         """Tell a page that has just been opened everything."""
         self._pages[page] = outbox = Outbox(send, list)
-        outbox.put([("about", encoded(self.session.state(about=True, framing=True)))])
+        outbox.put([("about", encoded(page_state(self.session, about=True, framing=True)))])
         known = (item for item in self._finders.items() if item[1].known)
         outbox.put((key, encoded(finder.message())) for key, finder in known)
 
@@ -139,7 +140,7 @@ class Hub:
             command = decode(message)
             number = command.id
             if isinstance(command, Reframe):
-                return encoded(self.session.state(number, framing=True))
+                return encoded(page_state(self.session, number, framing=True))
             about, jump = False, isinstance(command, Home | NamedPose | ShowMode)
             if isinstance(command, ModesCommand):
                 self._modes.obey(command)
@@ -153,7 +154,7 @@ class Hub:
                 self.session.obey(command)
                 jump = jump or not set(solids_of(self.session.options)) <= before
             self._publish(page, about=about, jump=jump)
-            return encoded(self.session.state(number, about=about, jump=jump))
+            return encoded(page_state(self.session, number, about=about, jump=jump))
         except PmjacError as error:
             return encoded(Refusal(number, str(error)))
         except Exception:
@@ -190,7 +191,7 @@ class Hub:
             scene.put(changed)
         others = [box for page, box in self._pages.items() if page is not asking]
         if others:
-            state = encoded(self.session.state(about=about, jump=jump))
+            state = encoded(page_state(self.session, about=about, jump=jump))
             for other in others:
                 other.put([("about" if about else "state", state)])
         for finder in self._finders.values():

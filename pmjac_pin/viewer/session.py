@@ -7,7 +7,6 @@ from collections.abc import Mapping, Sequence
 from typing import assert_never
 
 import numpy as np
-from msgspec.structs import asdict
 from numpy.typing import NDArray
 
 from pmjac_pin.configuration import Configuration
@@ -15,35 +14,26 @@ from pmjac_pin.errors import ArgumentError, ClosureError, LimitError
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.limits import Violation
 from pmjac_pin.pictures.within_limits import ToolQuantity
-from pmjac_pin.rates.motor_limits import efforts_unit, rates_unit
-from pmjac_pin.rates.partition import Partition
 from pmjac_pin.studies.follow.trajectory import Trajectory
 from pmjac_pin.viewer.design import Design, is_sibling
 from pmjac_pin.viewer.framing import Framing, frame
 from pmjac_pin.viewer.leaving import beside_singularity, shortly_before
-from pmjac_pin.viewer.legend import legend
 from pmjac_pin.viewer.load import Load
-from pmjac_pin.viewer.load_readout import make_load_readout
 from pmjac_pin.viewer.messages import (
-    About,
-    Drawn,
     Home,
     MoveMotors,
     NamedPose,
     Notice,
     Options,
-    Passive,
     PoseCommand,
     SetLoad,
     ShowMoment,
-    State,
 )
 from pmjac_pin.viewer.motors import WIDEST_SLIDER
 from pmjac_pin.viewer.readout import Readout, make_readout
 from pmjac_pin.viewer.replay import Replay
-from pmjac_pin.viewer.scene import Scene, solids_of
+from pmjac_pin.viewer.scene import Scene
 from pmjac_pin.viewer.scene_options import SceneOptions
-from pmjac_pin.viewer.solids import solid_or_refusal
 
 _NO_NOTICE = Notice("", "")
 
@@ -178,11 +168,6 @@ class Session:
             target[names.index(motor.name)] = value
         return target
 
-    def _values(self) -> tuple[float, ...]:
-        """Return the motors' values, as the sliders show them."""
-        values = dict(zip(self.mechanism.actuated, self.configuration.actuated, strict=True))
-        return tuple(float(values[motor.name]) for motor in self.design.motors)
-
     def _close(self, target: list[float]) -> Configuration:
         try:
             return self.mechanism.close(target, guess=self._start)
@@ -276,53 +261,6 @@ class Session:
         """Return how a camera sees all that is shown now."""
         return frame(self.scene().items)
 
-    def state(
-        self,
-        number: int | None = None,
-        *,
-        about: bool = False,
-        framing: bool = False,
-        jump: bool = False,
-    ) -> State:
-        """Return all that the page shows; on wish what seldom changes, and how to frame it."""
-        return State(
-            id=number,
-            pose=self.pose,
-            values=self._values(),
-            parameters=tuple(self.mechanism.parameters.values()),
-            readout=self.readout(),
-            notice=self.notice,
-            drawn=Drawn(**asdict(self.options), no_polytopes=self._no_polytopes()),
-            load=make_load_readout(self.configuration, self.load),
-            moment=self.moment,
-            about=self._about() if about else None,
-            framing=self.framing() if framing else None,
-            jump=self.framing() if jump else None,
-        )
-
-    def _no_polytopes(self) -> dict[str, str]:
-        """Return why polytopes that are chosen are not there, by their kinds."""
-        kinds = solids_of(self.options)
-        found = {kind: solid_or_refusal(self.configuration, kind)[1] for kind in kinds}
-        return {kind: refusal for kind, refusal in found.items() if refusal}
-
-    def _about(self) -> About:
-        units = self.mechanism.units
-        return About(
-            mechanism=self.mechanism.name,
-            description=self.mechanism.spec.description,
-            counted=_counted(self.mechanism.problem.partition),
-            motors=self.design.motors,
-            parameters=self.design.parameters,
-            passive=tuple(Passive(name, units[name]) for name in self.mechanism.passive),
-            poses=tuple(self.design.poses),
-            home=make_readout(self.mechanism.home, self.design.ranks),
-            legend=legend(self.mechanism),
-            load=self.design.loads,
-            replay=None if self.replay is None else self.replay.slider(),
-            happenings=() if self.replay is None else self.replay.happenings(),
-        )
-
     def _stop(self, values: list[float], error: ClosureError) -> Notice:
         """Say which motors have stopped on the way to these values, and why.
 
@@ -341,10 +279,3 @@ class Session:
             ties = f"{error.ties[0].upper()}{error.ties[1:]}"
             text = f"{ties}. {text if error.share else f'They do not move so together: {stopped}.'}"
         return Notice("stop", text, stops)
-
-
-def _counted(partition: Partition) -> str:
-    """Return in what ellipsoids count the motors, "" where there are none."""
-    rates, efforts = rates_unit(partition), efforts_unit(partition)
-    told = f"Ellipsoids: motor rates together 1 in {rates}, efforts together 1 in {efforts}."
-    return told if rates else ""

@@ -13,7 +13,7 @@ from pmjac_pin.values.brief import brief
 from pmjac_pin.words.blocks import Block, Table
 from pmjac_pin.words.margin_tables import margin_blocks
 from pmjac_pin.words.numbers import matrix_numbers
-from pmjac_pin.words.report import by_name
+from pmjac_pin.words.rates_report import by_name
 
 _STILL = 1e-10  # of a motion's largest rate: motions come of differences between poses
 

@@ -6,7 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from pmjac_pin.closing.closure import is_invertible, is_singular
+from pmjac_pin.closing.closed import is_invertible, is_singular
 from pmjac_pin.studies.follow.bordered import SingularSpot
 from pmjac_pin.studies.follow.branching import along, branch_tangents, on_next_piece, pose_ahead
 from pmjac_pin.studies.follow.motor_path import PathPiece

@@ -7,9 +7,9 @@ from functools import cached_property
 
 import numpy as np
 
-from pmjac_pin.closing.closed import Closed, closed_point
-from pmjac_pin.closing.closure import corrected, path_velocity
+from pmjac_pin.closing.closed import Closed, closed_point, path_velocity
 from pmjac_pin.closing.closure_problem import ClosureProblem
+from pmjac_pin.closing.newton_correction import corrected
 from pmjac_pin.closing.over_actuation import Lead, lead
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.mechanism import Mechanism

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pmjac_pin.closing.closure import is_singular
+from pmjac_pin.closing.closed import is_singular
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import ClosureError
 from pmjac_pin.studies.follow.course import Course

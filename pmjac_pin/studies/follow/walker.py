@@ -5,13 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Literal
 
-from pmjac_pin.closing.closure import (
-    LARGEST_STEP,
-    SMALLEST_STEP,
-    ends_path,
-    is_invertible,
-    is_singular,
-)
+from pmjac_pin.closing.closed import is_invertible, is_singular
+from pmjac_pin.closing.straight_path import LARGEST_STEP, SMALLEST_STEP, ends_path
 from pmjac_pin.studies.follow.course import Course
 from pmjac_pin.studies.follow.motor_path import PathPiece
 from pmjac_pin.studies.follow.step import CoveredStep

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from pmjac_pin.closing.closure import polished
 from pmjac_pin.closing.damped_closure import assemble, motor_weights
+from pmjac_pin.closing.newton_correction import polished
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import ArgumentError, quoted
 from pmjac_pin.mechanism import Mechanism

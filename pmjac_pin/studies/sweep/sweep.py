@@ -133,20 +133,13 @@ def sweep(
             one.contents  # noqa: B018 - says what cannot be sent, before any work
     what = identity(work, machine, shape)
     if out is None:
-        arrays = _memory(work)
-        with _kept_on_interrupt(
-            lambda: _with_labels(work, _dataset(work, arrays, {MARK: what}))
-        ) as found:
-            _in_memory(arrays, work, regions, hands)
-        return found()
+        return _in_memory(work, regions, hands, what)
     store = Store.at(out)
     if resume and os.path.exists(store.path):  # noqa: PTH110 - Path.exists raises for long names
         store.check(what)
     else:
         store.create(work, shape, what)
-    with _kept_on_interrupt(lambda: _with_labels(work, store.open())) as found:
-        _fill(store, work, regions, hands)
-    return found()
+    return _in_store(store, work, regions, hands)
 
 
 def _memory(work: SweepWork) -> dict[str, NDArray[Any]]:
@@ -186,18 +179,26 @@ def _with_labels(work: SweepWork, found: Dataset) -> Dataset:
 
 
 def _in_memory(
-    arrays: Mapping[str, NDArray[Any]], work: SweepWork, regions: list[Region], hands: Hands
-) -> None:
-    jobs = [(work, region) for region in regions]
-    for region, found in zip(regions, hands.results(SweepWork.compute, jobs), strict=True):
-        for name, values in found.items():
-            arrays[name][region] = values
+    work: SweepWork, regions: list[Region], hands: Hands, what: Mapping[str, Any]
+) -> Dataset:
+    """Compute all regions, and return them in arrays."""
+    arrays, jobs = _memory(work), [(work, region) for region in regions]
+    with _kept_on_interrupt(
+        lambda: _with_labels(work, _dataset(work, arrays, {MARK: what}))
+    ) as found:
+        for region, values in zip(regions, hands.results(SweepWork.compute, jobs), strict=True):
+            for name, part in values.items():
+                arrays[name][region] = part
+    return found()
 
 
-def _fill(store: Store, work: SweepWork, regions: list[Region], hands: Hands) -> None:
-    jobs = [(store, work, index, regions[index]) for index in store.left().tolist()]
-    for _ in hands.results(_compute_and_write, jobs):
-        pass
+def _in_store(store: Store, work: SweepWork, regions: list[Region], hands: Hands) -> Dataset:
+    """Compute the regions that a folder has not yet, and return what it has then."""
+    with _kept_on_interrupt(lambda: _with_labels(work, store.open())) as found:
+        jobs = [(store, work, index, regions[index]) for index in store.left().tolist()]
+        for _ in hands.results(_compute_and_write, jobs):
+            pass
+    return found()
 
 
 def _compute_and_write(store: Store, work: SweepWork, index: int, region: Region) -> None:

@@ -15,13 +15,8 @@ import numpy as np
 
 from pmjac_pin.algebra.arrays import Numbers
 from pmjac_pin.algebra.program_text import C_WORDS, c_function, function_name, in_comment
-from pmjac_pin.studies.transmissions.c_templates import (
-    ALGEBRA,
-    FILE_HEAD,
-    INTERPOLATION,
-    POSES,
-    filled,
-)
+from pmjac_pin.studies.transmissions.c_table import ALGEBRA, INTERPOLATION
+from pmjac_pin.studies.transmissions.c_templates import FILE_HEAD, POSES, filled
 from pmjac_pin.studies.transmissions.fitted_polynomial import c_polynomial, fitted_polynomial
 from pmjac_pin.studies.transmissions.newton_program import NewtonProgram
 from pmjac_pin.studies.transmissions.sheet import Sheet
