@@ -137,9 +137,9 @@ def _end_of_path(mechanism: Mechanism, start: Configuration, values: Array) -> C
 
 def _walked(mechanism: Mechanism, start: Configuration, values: Array) -> Followed:
     """Walk from a closed pose to motor values by singular values."""
-    problem, guard, motors = start.problem, mechanism.step_guard, mechanism.motors
-    partition = problem.partition
-    with one_thread_from(partition.passive.size):
+    with one_thread_from(mechanism.nv):
+        problem, guard, motors = start.problem, mechanism.step_guard, mechanism.motors
+        partition = problem.partition
         if partition.constraint_rank > partition.passive_rank:
             return walk_led(problem, mechanism._parts.coordinates, guard, start._point, values)
         displacement, point = motors.way(start.q, values), start._point

@@ -1,5 +1,8 @@
 """Studies leave BLAS one thread while they work, and give the others back."""
 
+import os
+import subprocess
+import sys
 from concurrent.futures import ThreadPoolExecutor
 from threading import Barrier
 
@@ -12,6 +15,7 @@ from mechanisms import loaded
 import pmjac_pin as pj
 from pmjac_pin.algebra import one_thread
 from pmjac_pin.algebra.one_thread import on_one_thread
+from pmjac_pin.values.lapack import lapack
 
 
 def threads():
@@ -20,6 +24,7 @@ def threads():
 
 @pytest.fixture
 def two_threads():
+    lapack()
     with threadpoolctl.threadpool_limits(limits=2, user_api="blas"):
         if threads() != {2}:
             pytest.skip("a BLAS of one thread, or none that tells")
@@ -56,6 +61,22 @@ def test_an_error_gives_them_back():
     with pytest.raises(ZeroDivisionError):
         on_one_thread(lambda: 1 / 0)()
     assert threads() == {2}
+
+
+def test_what_would_be_imported_within_has_one_as_well():
+    """NumPy's BLAS and SciPy's, each of which has threads of its own."""
+    code = """
+import threadpoolctl
+from pmjac_pin.algebra.one_thread import on_one_thread
+from pmjac_pin.values.lapack import lapack
+@on_one_thread
+def within():
+    lapack()
+    return [one["num_threads"] for one in threadpoolctl.threadpool_info() if "blas" in one.values()]
+assert set(within()) == {1}, within()
+"""
+    two = {**os.environ, "OPENBLAS_NUM_THREADS": "2"}
+    subprocess.run([sys.executable, "-c", code], env=two, check=True)
 
 
 def test_the_last_of_several_that_overlap_gives_them_back(told):

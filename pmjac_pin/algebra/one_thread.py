@@ -14,6 +14,8 @@ from functools import lru_cache, wraps
 from threading import Lock
 from typing import Any, ParamSpec, TypeVar
 
+from pmjac_pin.values.lapack import lapack
+
 _SHARED = 40  # columns: matrices of fewer are hardly shared
 
 Asked = ParamSpec("Asked")
@@ -31,7 +33,7 @@ class _OneThread:
     def __enter__(self) -> None:
         with self._lock:
             if not self._within:
-                # What is imported meanwhile may bring a BLAS of its own.
+                lapack()  # SciPy has a BLAS of its own, and so may have what is imported meanwhile.
                 self._limit = _libraries(len(sys.modules)).limit(limits=1, user_api="blas")
             self._within += 1
 
