@@ -31,10 +31,11 @@ class _OneThread:
     _limit: Any
 
     def __enter__(self) -> None:
+        lapack()  # SciPy has a BLAS of its own, and so may have what is imported meanwhile.
+        libraries = _libraries(len(sys.modules))
         with self._lock:
             if not self._within:
-                lapack()  # SciPy has a BLAS of its own, and so may have what is imported meanwhile.
-                self._limit = _libraries(len(sys.modules)).limit(limits=1, user_api="blas")
+                self._limit = libraries.limit(limits=1, user_api="blas")
             self._within += 1
 
     def __exit__(self, *_: object) -> None:

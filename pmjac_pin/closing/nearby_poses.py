@@ -165,9 +165,8 @@ def _distinct(steps: Iterable[tuple[Array, Array]]) -> list[tuple[Array, Array]]
     """Return the steps less those that agree with one before: a single motor has two ways only."""
     found: dict[bytes, tuple[Array, Array]] = {}
     for step, weights in steps:
-        alike = (
-            np.concatenate((step.round(_DECIMALS_OF_STEPS), weights)) + 0.0
-        )  # zeros of either sign
+        alike = np.concatenate((step.round(_DECIMALS_OF_STEPS), weights))
+        alike += 0.0  # zeros have no sign then
         found.setdefault(alike.tobytes(), (step, weights))
     return list(found.values())
 

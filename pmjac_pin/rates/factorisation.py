@@ -206,7 +206,8 @@ def _bound_by_reflections(matrix: Array) -> float:
         return 0.0
     entries = np.abs(inverse)
     largest: float = entries.item(entries.argmax())
-    return _SURELY / (largest * norm(inverse / largest))
+    # Squares may overflow, and so may the inverse.
+    return _SURELY / (largest * norm(inverse / largest)) if math.isfinite(largest) else 0.0
 
 
 @functools.cache
