@@ -34,6 +34,7 @@ bench: .venv/ready
 	$(BIN)/python benchmarks/bench_avx2.py
 	$(BIN)/python benchmarks/bench_cpp.py
 	$(BIN)/python benchmarks/bench_grid.py
+	$(BIN)/python benchmarks/bench_ladder.py
 	$(BIN)/python benchmarks/bench_sweep.py 1e7
 	$(BIN)/python benchmarks/bench_parameters.py
 	$(BIN)/python benchmarks/bench_error.py

@@ -12,6 +12,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from pmjac_pin.algebra.one_thread import one_thread_from
 from pmjac_pin.closing.closed import Closed, closed_point
 from pmjac_pin.closing.closure_problem import ClosureProblem
 from pmjac_pin.closing.generic_ranks import on_branch_of
@@ -306,7 +307,8 @@ class Configuration(LoadedPose, Shown):
         constraint, tool = self._jacobians(self._snapshot, pose.frame)
         problem, loops = self._branch
         partition = problem.partition
-        rates, J_eq = eliminated(tool, partition, loops, self.singularity)
+        with one_thread_from(partition.column_scale.size):
+            rates, J_eq = eliminated(tool, partition, loops, self.singularity)
         J_eq = read_only(J_eq)
         matrices = constraint, tool, pose.frame, partition, rates, J_eq
         return J_eq, functools.partial(EquivalentJacobian, *matrices, pose=pose)
@@ -357,16 +359,17 @@ class Configuration(LoadedPose, Shown):
     def _singularity(self) -> Singularity:
         problem, snapshot = self.problem, self._snapshot
         rows = problem.partition.tool_rows
-        return analyse_singularity(
-            snapshot.constraint_jacobian,
-            snapshot.judged_jacobian(rows),
-            problem.partition,
-            functools.partial(gained_and_idle, problem, self.q),
-            loops=self._loop_rates,
-            tool_pose=(snapshot.axes_of(rows), snapshot.position + self._parts.place),
-            slopes=PoseOfConfiguration(self, rows.axes).slopes,
-            find_margins=PoseOfConfiguration(self, rows.axes).margins,
-        )
+        with one_thread_from(self._parts.model.nv):
+            return analyse_singularity(
+                snapshot.constraint_jacobian,
+                snapshot.judged_jacobian(rows),
+                problem.partition,
+                functools.partial(gained_and_idle, problem, self.q),
+                loops=self._loop_rates,
+                tool_pose=(snapshot.axes_of(rows), snapshot.position + self._parts.place),
+                slopes=PoseOfConfiguration(self, rows.axes).slopes,
+                find_margins=PoseOfConfiguration(self, rows.axes).margins,
+            )
 
     def _need_tool(self) -> None:
         self.mechanism.need_tool()
@@ -408,13 +411,14 @@ class Configuration(LoadedPose, Shown):
         """The problem of the branch that this pose lies on, and what the loops allow by it."""
         parts, jacobian = self._parts, self._snapshot.constraint_jacobian
         home, here = parts.problem, self._problem
-        if here is None:
-            loops = home.partition.loop_rates(jacobian)
-            if self._known is None:
-                here = on_branch_of(home, parts.kinematics, self.q, loops)
-            if here is None or here is home:
-                return home, loops
-        return here, here.partition.loop_rates(jacobian)
+        with one_thread_from(parts.model.nv):
+            if here is None:
+                loops = home.partition.loop_rates(jacobian)
+                if self._known is None:
+                    here = on_branch_of(home, parts.kinematics, self.q, loops)
+                if here is None or here is home:
+                    return home, loops
+            return here, here.partition.loop_rates(jacobian)
 
     @found_once
     def _snapshot(self) -> Snapshot:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Literal, TypeAlias
 
 import numpy as np
 
+from pmjac_pin.algebra.one_thread import one_thread_from
 from pmjac_pin.closing.closed import closed_point
 from pmjac_pin.closing.closure_problem import ClosureProblem
 from pmjac_pin.closing.damped_closure import Assembled, assemble, motor_weights
@@ -136,16 +137,18 @@ def _end_of_path(mechanism: Mechanism, start: Configuration, values: Array) -> C
 
 def _walked(mechanism: Mechanism, start: Configuration, values: Array) -> Followed:
     """Walk from a closed pose to motor values by singular values."""
-    problem, guard, motors = start.problem, mechanism.step_guard, mechanism.motors
-    if problem.partition.constraint_rank > problem.partition.passive_rank:
-        return walk_led(problem, mechanism._parts.coordinates, guard, start._point, values)
-    displacement, point = motors.way(start.q, values), start._point
-    if problem.partition.idles and (idle := mechanism.idle_way) is not None:
-        from pmjac_pin.closing.idle_path import IdlePath  # noqa: PLC0415
+    with one_thread_from(mechanism.nv):
+        problem, guard, motors = start.problem, mechanism.step_guard, mechanism.motors
+        partition = problem.partition
+        if partition.constraint_rank > partition.passive_rank:
+            return walk_led(problem, mechanism._parts.coordinates, guard, start._point, values)
+        displacement, point = motors.way(start.q, values), start._point
+        if partition.idles and (idle := mechanism.idle_way) is not None:
+            from pmjac_pin.closing.idle_path import IdlePath  # noqa: PLC0415
 
-        target = _on_the_way(mechanism, start, displacement, values)
-        return IdlePath(problem, guard, idle, point, displacement, target).walk()
-    return follow(problem, guard, point, displacement, lambda q: motors.at(q, values))
+            target = _on_the_way(mechanism, start, displacement, values)
+            return IdlePath(problem, guard, idle, point, displacement, target).walk()
+        return follow(problem, guard, point, displacement, lambda q: motors.at(q, values))
 
 
 def _on_the_way(

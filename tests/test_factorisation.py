@@ -43,6 +43,28 @@ def test_what_the_inverse_tells_is_what_singular_values_tell(share, count, rng):
             np.testing.assert_allclose(factors.solve(b), pseudo @ b, atol=1e-8 * scale)
 
 
+@pytest.mark.parametrize("share", [0.0, 1e-9, 0.999e-6, 1.001e-6, 1e-5, 1e-4, 1e-3])
+@pytest.mark.parametrize("shape", [(41, 40), (90, 60)])
+def test_of_many_columns_it_is_the_same(shape, share, rng):
+    """Where AᵀA loses half of the digits, Q R does not."""
+    rows, columns = shape
+    for _ in range(3):
+        left, right = (np.linalg.qr(rng.normal(size=(count, columns)))[0] for count in shape)
+        values = np.append(rng.uniform(0.5, 1.0, columns - 1), share)
+        size, b = np.linalg.norm(values), rng.normal(size=(rows, 3))
+        values[-1] *= size
+        matrix = (left * values) @ right.T
+        factors = factorise(matrix, size)
+        assert factors.surely_exceeds(0.9 * values[-1]) == (share >= 1e-5)
+        rank = columns - (share < 1e-6)
+        assert factors.rank == rank
+        pseudo = (right[:, :rank] / values[:rank]) @ left[:, :rank].T
+        atol = 1e-13 * np.linalg.norm(pseudo) / values[rank - 1]
+        np.testing.assert_allclose(factors.inverse(rank), pseudo, rtol=0.0, atol=atol)
+        np.testing.assert_allclose(factors.solve(b), pseudo @ b, rtol=0.0, atol=30.0 * atol)
+        np.testing.assert_array_equal(factors.singular_values, np.linalg.svd(matrix)[1])
+
+
 @pytest.mark.parametrize("rows", [5, 6, 15])
 def test_weak_columns_are_solved_for_as_precisely_whether_rows_are_redundant_or_not(rows, rng):
     """AᵀA has the square of their share: no digits are lost by it."""
@@ -73,10 +95,12 @@ def test_what_bounds_call_certain_is_so_by_singular_values(size, rng):
 
 
 @pytest.mark.parametrize("share", [1e-80, 1e-100, 1e-160, 1e-200, 1e-300, 5e-324, 0.0])
-@pytest.mark.parametrize("rows", [2, 3])
-def test_a_matrix_that_is_singular_but_for_next_to_nothing_has_no_rank_there(rows, share):
+@pytest.mark.parametrize("shape", [(2, 2), (3, 2), (60, 45)])
+def test_a_matrix_that_is_singular_but_for_next_to_nothing_has_no_rank_there(shape, share):
     """Squares of its inverse overflow, which is told to nobody."""
-    factors = factorise(np.eye(rows, 2) @ np.diag([1.0, share]), 1.0)
-    assert factors.rank == 1
-    assert factors.exceeds(1, 0.5)
+    matrix = np.eye(*shape)
+    matrix[1, 1] = share
+    factors = factorise(matrix, 1.0)
+    assert factors.rank == shape[1] - 1
+    assert factors.exceeds(factors.rank, 0.5)
     assert not factors.surely_exceeds(0.5)

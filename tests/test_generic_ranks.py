@@ -14,7 +14,7 @@ from random_machines import Tree, at
 
 import pmjac_pin as pj
 from pmjac_pin.closing.generic_ranks import ranked
-from pmjac_pin.closing.nearby_poses import FARTHEST
+from pmjac_pin.closing.nearby_poses import FARTHEST, nearby
 from pmjac_pin.studies.modes.legs import find_legs
 
 
@@ -266,6 +266,17 @@ def test_the_joints_of_the_catalogue_are_seen_to_move(name):
     mechanism = loaded(name)
     assert mechanism.problem.partition.reach >= FARTHEST
     assert "seen no further" not in repr(mechanism)
+
+
+@pytest.mark.parametrize(
+    "name", ["bennett", "bricard", "four_bar", "sarrus", "slider_crank", "watt_six_bar"]
+)
+def test_with_one_motor_poses_beside_home_are_on_both_its_sides_and_none_is_found_twice(name):
+    mechanism = loaded(name)
+    found = [mechanism.configuration(q) for q in nearby(mechanism.problem, mechanism.home.q)]
+    ways = [float((pose.actuated - mechanism.home.actuated)[0]) for pose in found]
+    assert min(ways) < 0.0 < max(ways)
+    assert np.diff(sorted(ways)).min() > 1e-6
 
 
 @pytest.mark.parametrize("seed", [None, 0, 1, 2])

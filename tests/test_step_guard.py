@@ -9,6 +9,7 @@ import mechanisms
 import numpy as np
 import pinocchio as pin
 import pytest
+from ladder import ladder
 from mechanisms import loaded
 
 import pmjac_pin as pj
@@ -296,22 +297,6 @@ def test_on_covered_steps_nothing_turns_into_its_opposite(name, rng, monkeypatch
             mechanism.close(mechanism.home.actuated + way, enforce_limits=False)
     assert max(sizes, default=0.0) < 1.0
     assert bool(sizes) == bool(partition.passive_rank)
-
-
-def ladder(count):
-    """Nested four-bars: the rocker of one is the crank of the next."""
-    joints = [("t0", "revolute", "ground", "r0", (0, 0, 0), mechanisms.Z)]
-    home, loops = {"t0": 1.2}, []
-    for k in range(1, count + 1):
-        joints += [
-            (f"t{k}", "revolute", "ground", f"r{k}", (1.0 * k, 0, 0), mechanisms.Z),
-            (f"c{k}", "revolute", f"r{k - 1}", f"b{k}", (0.8, 0, 0), mechanisms.Z),
-            (f"e{k}", "fixed", f"b{k}", f"C{k}", (1.0 + 0.02 * (-1) ** k, 0, 0)),
-            (f"f{k}", "fixed", f"r{k}", f"R{k}", (0.8, 0, 0)),
-        ]
-        loops.append((f"C{k}", f"R{k}"))
-        home |= {f"t{k}": 1.2, f"c{k}": -1.2}
-    return mechanisms.build(joints, loops, ["t0"], f"r{count}", home)
 
 
 def test_loops_that_follow_one_another_take_no_shorter_steps():

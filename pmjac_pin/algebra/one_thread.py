@@ -7,10 +7,16 @@ work.
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable
-from functools import wraps
+from contextlib import AbstractContextManager, nullcontext
+from functools import lru_cache, wraps
 from threading import Lock
 from typing import Any, ParamSpec, TypeVar
+
+from pmjac_pin.values.lapack import lapack
+
+_SHARED = 40  # columns: matrices of fewer are hardly shared
 
 Asked = ParamSpec("Asked")
 Found = TypeVar("Found")
@@ -25,12 +31,11 @@ class _OneThread:
     _limit: Any
 
     def __enter__(self) -> None:
-        # Looked up at each first call: what is imported meanwhile may bring a BLAS of its own.
-        from threadpoolctl import threadpool_limits  # noqa: PLC0415
-
+        lapack()  # SciPy has a BLAS of its own, and so may have what is imported meanwhile.
+        libraries = _libraries(len(sys.modules))
         with self._lock:
             if not self._within:
-                self._limit = threadpool_limits(limits=1, user_api="blas")
+                self._limit = libraries.limit(limits=1, user_api="blas")
             self._within += 1
 
     def __exit__(self, *_: object) -> None:
@@ -40,7 +45,20 @@ class _OneThread:
                 self._limit.restore_original_limits()
 
 
-_ONE_THREAD = _OneThread()
+@lru_cache(maxsize=1)
+def _libraries(imported: int) -> Any:
+    """Return what sets the threads of all libraries that are loaded: to look takes milliseconds."""
+    from threadpoolctl import ThreadpoolController  # noqa: PLC0415
+
+    return ThreadpoolController()
+
+
+_ONE_THREAD, _AS_IT_IS = _OneThread(), nullcontext()
+
+
+def one_thread_from(columns: int) -> AbstractContextManager[None]:
+    """Return what leaves BLAS one thread within, where matrices have so many columns."""
+    return _ONE_THREAD if columns >= _SHARED else _AS_IT_IS
 
 
 def on_one_thread(of: Callable[Asked, Found]) -> Callable[Asked, Found]:

@@ -7,8 +7,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, TypeAlias, TypeVar
 
-# As long as Ctrl-C ends all silently, not when the first loop is closed.
-import scipy.linalg.lapack  # noqa: F401
 from cyclopts import Parameter
 
 from pmjac_pin.configuration import Configuration
@@ -17,6 +15,9 @@ from pmjac_pin.files.output_file import check_new
 from pmjac_pin.files.user_path import shown_path
 from pmjac_pin.loading import load
 from pmjac_pin.mechanism import Mechanism
+from pmjac_pin.values.lapack import lapack
+
+lapack()  # as long as Ctrl-C ends all silently, not when the first loop is closed
 
 NameOption: TypeAlias = Annotated[
     str,

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pmjac_pin.algebra.one_thread import one_thread_from
 from pmjac_pin.closing.closure_problem import ROUNDING, ClosureProblem
 from pmjac_pin.closing.levenberg_marquardt import Patience, by_singular_values, descend
 from pmjac_pin.values.arrays import Array, norm
@@ -71,7 +72,8 @@ def assemble(
         grows=4.0,
         grows_within=np.inf,  # closed, and no further
     )
-    end = descend(_OnePose(problem, weights, room), q, patience)
+    with one_thread_from(weights.size):
+        end = descend(_OnePose(problem, weights, room), q, patience)
     return Assembled(end.q, float(end.gap), int(end.iterations))
 
 

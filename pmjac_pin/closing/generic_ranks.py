@@ -34,15 +34,18 @@ def ranked(problem: ClosureProblem, kinematics: Kinematics, q: Array) -> Closure
     problem = replace(problem, partition=partition)
     poses = [q, *nearby(problem, q)]
     snapshots = [kinematics.snapshot(pose) for pose in poses]
+    partition = partition.sized(snapshot.constraint_jacobian for snapshot in snapshots)
     rows = partition.tool_rows
-    generic = partition.with_ranks_of(
-        [(snapshot.constraint_jacobian, snapshot.judged_jacobian(rows)) for snapshot in snapshots]
-    )
+    judged = [
+        partition.at_pose(snapshot.constraint_jacobian, snapshot.judged_jacobian(rows))
+        for snapshot in snapshots
+    ]
+    generic = partition.with_ranks_of(judged)
     problem = replace(problem, partition=generic)
     regular = (
-        pose
-        for pose, snapshot in zip(poses, snapshots, strict=True)
-        if generic.rank_of(snapshot.constraint_jacobian) == generic.constraint_rank
+        q
+        for q, pose in zip(poses, judged, strict=True)
+        if pose.motion.whole.rank == generic.constraint_rank
     )
     reach = _farthest(problem, islice(regular, _ENOUGH))
     return replace(problem, partition=replace(generic, reach=reach))

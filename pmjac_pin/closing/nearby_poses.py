@@ -27,6 +27,7 @@ _SEEN = 100.0  # tolerances: a gap of the square of a distance may have a small 
 _AWAY = 0.1  # of a probe's distance: nearer to home, the loops have only pulled it back
 _TOO_FAR = 20.0  # times a probe's distance: another assembly mode
 _ALL_TOGETHER = 0.05  # of how far joints can be displaced one by one: less is another branch's
+_DECIMALS_OF_STEPS = 12  # which are of length 1: the rest is rounding
 _SHAKEN = 3  # starts of each joint that is displaced and held
 _LEAST_SHARE_OF_RATES = (
     0.05  # a joint's share in the rates that loops allow, below which others are tried
@@ -44,7 +45,7 @@ def nearby(problem: ClosureProblem, home_q: Array) -> list[Array]:
     """
     rng = np.random.default_rng(0)
     allowed = _allowed(problem, home_q)
-    directions = list(_directions(problem, allowed, rng))
+    directions = _distinct(_directions(problem, allowed, rng))
 
     def held(joints: Iterable[int]) -> Iterator[tuple[Array, Array]]:
         return (_displaced(allowed, joint, rng) for joint in joints for _ in range(_SHAKEN))
@@ -137,9 +138,7 @@ def _short_distances(problem: ClosureProblem, joint: int) -> tuple[float, ...]:
 
 def _allowed(problem: ClosureProblem, q: Array) -> Array:
     """Return orthonormal columns that span the scaled rates which loops allow at q, (nv, d)."""
-    partition = problem.partition
-    scaled = partition.scaled(problem.evaluate(q)[1])
-    return partition.factorise(scaled, partition.size_of(scaled)).null_space
+    return problem.partition.factorise_all(problem.evaluate(q)[1]).null_space
 
 
 def _moving(allowed: Array) -> list[int]:
@@ -160,6 +159,16 @@ def _directions(
         motors[partition.actuated] = rng.normal(size=partition.actuated.size)
         yield _unit_step(motors), motors_kept
         yield -_unit_step(motors), motors_kept
+
+
+def _distinct(steps: Iterable[tuple[Array, Array]]) -> list[tuple[Array, Array]]:
+    """Return the steps less those that agree with one before: a single motor has two ways only."""
+    found: dict[bytes, tuple[Array, Array]] = {}
+    for step, weights in steps:
+        alike = np.concatenate((step.round(_DECIMALS_OF_STEPS), weights))
+        alike += 0.0  # zeros have no sign then
+        found.setdefault(alike.tobytes(), (step, weights))
+    return list(found.values())
 
 
 def _displaced(allowed: Array, joint: int, rng: np.random.Generator) -> tuple[Array, Array]:

@@ -8,6 +8,7 @@ from typing import Self
 
 import pinocchio as pin
 
+from pmjac_pin.algebra.one_thread import one_thread_from
 from pmjac_pin.closing.closure_problem import ClosureProblem
 from pmjac_pin.closing.generic_ranks import ranked
 from pmjac_pin.files.urdf.robot import Urdf
@@ -62,7 +63,8 @@ class PartsAtHome(Parts):
     @found_once
     def problem(self) -> ClosureProblem:
         """The closure problem with its generic ranks, found when they are first asked for."""
-        return ranked(self.split, self.kinematics, self.home_q)
+        with one_thread_from(self.model.nv):
+            return ranked(self.split, self.kinematics, self.home_q)
 
     def with_problem(self, problem: ClosureProblem) -> Self:
         """Return the parts with ranks that are known: of another branch, or found elsewhere."""

@@ -9,7 +9,7 @@ import numpy as np
 
 from pmjac_pin.values.arrays import Array, norm, read_only
 from pmjac_pin.values.found_once import found_once
-from pmjac_pin.values.lapack import inverted
+from pmjac_pin.values.lapack import inverse_triangle, inverted, least_squares
 
 #: A singular value below this times the size of [K K*] counts as zero. Loops closed to 1e-12
 #: of the length cannot tell a pose from a singular one nearer than √1e-12: at a fold the residual
@@ -21,6 +21,9 @@ REFINED = 1e-2
 _SURELY = 1.0 - 1e-3  # of a bound that rounding may have moved
 _RESOLVED = 1e-9  # of the matrix: above, rounding moves an inverse by less than that
 _SQUARED = 1e-3  # of the matrix: above, its normal equations are solved to rounding
+#: Columns from which singular values take several times as long as QR, and more where OpenBLAS
+#: shares them among threads. Of fewer, all takes microseconds.
+_COLUMNS_FOR_QR = 40
 
 
 class Factorisation:
@@ -28,7 +31,8 @@ class Factorisation:
 
     Of a matrix whose columns are independent beyond doubt, its inverse, or pseudoinverse where it
     has more rows, tells all that is asked at a regular pose: σ_min ≥ 1/‖A⁺‖. It takes a fraction
-    of the time; U, σ and V are found when they are asked for.
+    of the time; U, σ and V are found when they are asked for, and so is A⁺ where R of A = Q R says
+    as much.
 
     Attributes
     ----------
@@ -43,10 +47,17 @@ class Factorisation:
         self, matrix: Array, size: float, tolerance: float, inverse: Array | None, bound: float
     ) -> None:
         self.matrix, self.size, self.tolerance = matrix, size, tolerance
-        # A⁺ and a bound on σ_min, where that is above the tolerance for certain.
-        self._inverse, self._bound = inverse, bound
+        # Of σ_min, where that is above the tolerance for certain: 0 where nothing is.
+        self._bound = bound
+        if bound:
+            self.rank = matrix.shape[1]
         if inverse is not None:
-            self.rank = len(inverse)
+            self._inverse = inverse
+
+    @found_once
+    def _inverse(self) -> Array | None:
+        """A⁺, None where its columns are not independent for certain."""
+        return least_squares(self.matrix, np.eye(len(self.matrix))) if self._bound else None
 
     @found_once
     def _svd(self) -> tuple[Array, Array, Array]:
@@ -150,23 +161,53 @@ def factorise(matrix: Array, size: float, tolerance: float = RANK_TOLERANCE) -> 
         always have full rank.
     """
     rows, columns = matrix.shape
-    if rows < columns or not columns:
-        return Factorisation(matrix, size, tolerance, None, 0.0)
+    if rows >= columns > 0:
+        largest = max(size, norm(matrix))
+        found = _inverted(
+            matrix, max(tolerance, _RESOLVED if rows == columns else _SQUARED) * largest
+        )
+        if found is not None:
+            return Factorisation(matrix, size, tolerance, *found)
+        if rows > columns >= _COLUMNS_FOR_QR:
+            bound = _bound_by_reflections(matrix)
+            if bound > max(tolerance, _RESOLVED) * largest:
+                return Factorisation(matrix, size, tolerance, None, bound)
+    return decompose(matrix, size, tolerance)
+
+
+def decompose(matrix: Array, size: float, tolerance: float = RANK_TOLERANCE) -> Factorisation:
+    """Factorise a matrix as `factorise` does, at once by singular values: for its null space."""
+    return Factorisation(matrix, size, tolerance, None, 0.0)
+
+
+def _inverted(matrix: Array, least: float) -> tuple[Array, float] | None:
+    """Return A⁺ and a bound on σ_min by elimination, None where that is not above the least."""
+    rows, columns = matrix.shape
     square = rows == columns
     inverse = inverted(matrix if square else matrix.T.dot(matrix))
     if inverse is None:
-        return Factorisation(matrix, size, tolerance, None, 0.0)
+        return None
     # By the largest entry: squares may overflow.
     entries = np.abs(inverse)
     length = columns * entries.item(entries.argmax())
     bound = _SURELY / ((length if square else math.sqrt(length)) or math.inf)
-    least = max(tolerance, _RESOLVED if square else _SQUARED) * max(size, norm(matrix))
     if not bound > least:
-        return Factorisation(matrix, size, tolerance, None, 0.0)
+        return None
     if not square:  # A⁺ = (AᵀA)⁻¹Aᵀ, improved by one step
         left = inverse.dot(matrix.T)
         inverse = (_twice(columns) - left.dot(matrix)).dot(left)
-    return Factorisation(matrix, size, tolerance, inverse, bound)
+    return inverse, bound
+
+
+def _bound_by_reflections(matrix: Array) -> float:
+    """Return a bound on σ_min of A = Q R by the inverse of R, without the squares of AᵀA."""
+    inverse = inverse_triangle(matrix)
+    if inverse is None:
+        return 0.0
+    entries = np.abs(inverse)
+    largest: float = entries.item(entries.argmax())
+    # Squares may overflow, and so may the inverse.
+    return _SURELY / (largest * norm(inverse / largest)) if math.isfinite(largest) else 0.0
 
 
 @functools.cache

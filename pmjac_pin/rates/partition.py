@@ -6,7 +6,7 @@ the generic ranks, and the rows of η that are shown.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -15,9 +15,10 @@ from numpy.typing import ArrayLike
 
 from pmjac_pin.errors import ArgumentError, quoted
 from pmjac_pin.model.tool_rows import WHOLE_TWIST, ToolRows
-from pmjac_pin.rates.factorisation import RANK_TOLERANCE, Factorisation, factorise
+from pmjac_pin.rates.factorisation import RANK_TOLERANCE, Factorisation, decompose, factorise
+from pmjac_pin.rates.pose_ranks import PoseRanks
 from pmjac_pin.rates.singularity_types import MotionDimensions
-from pmjac_pin.rates.tool_motion import CommandedMotion, ToolMotion
+from pmjac_pin.rates.tool_motion import ToolMotion
 from pmjac_pin.values.arrays import Array, Index, ReadOnlyArrays, norm, read_only
 from pmjac_pin.values.checks import SMALLEST, as_number, as_numbers
 from pmjac_pin.values.found_once import found_once
@@ -273,7 +274,8 @@ class Partition(ReadOnlyArrays):
             row_scale=np.ones(rows),
             column_scale=np.full(columns, 1.0 / length),
         )
-        return partition.with_ranks_of([(constraint, tool)])
+        partition = partition.sized([constraint])
+        return partition.with_ranks_of([partition.at_pose(constraint, tool)])
 
     def factorise(self, matrix: Array, size: float) -> Factorisation:
         """Factorise a matrix without dimension; `size` is that of what it is a part of."""
@@ -324,7 +326,18 @@ class Partition(ReadOnlyArrays):
             return self.kept_rows
         return independent_rows(scaled, self.factorise(scaled, size).rank)
 
-    def with_ranks_of(self, poses: Sequence[tuple[Array, Array]]) -> Partition:
+    def at_pose(self, constraint_jacobian: Array, tool_jacobian: Array) -> PoseRanks:
+        """Return what has ranks at one closed pose; the tool's Jacobian is in its rows' axes."""
+        rates = self.loop_rates(constraint_jacobian)
+        whole = decompose(rates.scaled, rates.size, self.rank_tolerance)
+        motion = self.tool_motion(tool_jacobian).commanded(whole, self.gap, self.actuated)
+        return PoseRanks(rates.scaled, rates.passive, motion)
+
+    def sized(self, constraint_jacobians: Iterable[Array]) -> Partition:
+        """Return the partition with the size of the largest of these [K K*]."""
+        return replace(self, size=max(norm(self.scaled(one)) for one in constraint_jacobians))
+
+    def with_ranks_of(self, poses: Sequence[PoseRanks]) -> Partition:
         """Return the partition with the generic ranks and kept rows of these closed poses.
 
         Ranks are generic where they are largest, but not each for itself: where branches meet,
@@ -333,60 +346,33 @@ class Partition(ReadOnlyArrays):
 
         Parameters
         ----------
-        poses : sequence of (constraint Jacobian (p, nv), tool Jacobian (6, nv))
-            Home first, then others near it: home itself may be singular. The tool's is in the
-            axes of `tool_rows`.
+        poses : sequence of PoseRanks
+            Home first, then others near it: home itself may be singular.
         """
-        size = max(norm(self.scaled(constraint)) for constraint, _ in poses)
-        sized = replace(self, size=size)
-        motions = [sized._commanded(*pose) for pose in poses]
-        ranks = [
-            sized._ranks(motion, constraint)
-            for motion, (constraint, _) in zip(motions, poses, strict=True)
-        ]
+        ranks = [pose.ranks for pose in poses]
         regular = max(range(len(poses)), key=ranks.__getitem__)
         whole, passive, tool = ranks[regular]
         shown = 0 if ranks[0][0] == whole else regular
-        alike = [k for k, own in enumerate(ranks) if own == ranks[regular]]
+        alike = [pose for pose in poses if pose.ranks == ranks[regular]]
         idle = self.passive.size - passive
         return replace(
-            sized,
+            self,
             passive_rank=passive,
             constraint_rank=whole,
             tool_rank=tool,
-            unfelt=min(sized.unfelt_at(*poses[k]) for k in alike) if idle else 0,
-            twist_rank=max(motions[k].twist_rank() for k in alike),
-            kept_rows=independent_rows(self.scaled(poses[shown][0]), whole),
+            unfelt=min(pose.unfelt(self.passive) for pose in alike) if idle else 0,
+            twist_rank=max(pose.motion.twist_rank() for pose in alike),
+            kept_rows=independent_rows(poses[shown].scaled, whole),
             tool_rates=min(
-                (motions[k].generic_rates() for k in alike),
+                (pose.motion.generic_rates() for pose in alike),
                 key=lambda rates: float(rates.max(initial=1.0)),
             ),
         )
 
-    def rank_of(self, constraint_jacobian: Array) -> int:
-        """Return the rank of [K K*] at one pose."""
-        return self.factorise_all(constraint_jacobian).rank
-
     def factorise_all(self, constraint_jacobian: Array) -> Factorisation:
-        """Factorise [K K*] at one pose, without dimension."""
+        """Factorise [K K*] at one pose, without dimension: for the motions that it allows."""
         scaled = self.scaled(constraint_jacobian)
-        return self.factorise(scaled, self.size_of(scaled))
-
-    def unfelt_at(self, constraint_jacobian: Array, tool_jacobian: Array) -> int:
-        """Return how many passive motions move no motor and no judged row of the tool."""
-        free = self.loop_rates(constraint_jacobian).passive.null_space
-        felt = self.tool_motion(tool_jacobian).felt_rank(free, self.passive)
-        return int(free.shape[1]) - felt
-
-    def _commanded(self, constraint_jacobian: Array, tool_jacobian: Array) -> CommandedMotion:
-        """Return what motors do to the tool at one pose."""
-        whole, tool = self.factorise_all(constraint_jacobian), self.tool_motion(tool_jacobian)
-        return tool.commanded(whole, self.gap, self.actuated)
-
-    def _ranks(self, motion: CommandedMotion, constraint_jacobian: Array) -> tuple[int, int, int]:
-        """Return the ranks of [K K*], of K* and of the tool's motion."""
-        passive = self.loop_rates(constraint_jacobian).passive
-        return motion.whole.rank, passive.rank, motion.seen_rank()
+        return decompose(scaled, self.size_of(scaled), self.rank_tolerance)
 
 
 def _check_shapes(

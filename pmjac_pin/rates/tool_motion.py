@@ -92,6 +92,10 @@ class ToolMotion:
             factorise(moved[3:], norm(self.scaled[3:]), self.tolerance).rank,
         )
 
+    def twist_rank(self, motions: Array) -> int:
+        """Return how many independent twists they give the tool, on all six rows."""
+        return factorise(self._moved(motions), self.size, self.tolerance).rank
+
     def judged_rank(self, motions: Array) -> int:
         """Return how many independent velocities they give the rows that are judged."""
         return factorise(self.judged(motions), self._judged_size, self.tolerance).rank
@@ -195,7 +199,7 @@ class CommandedMotion:
 
     def twist_rank(self) -> int:
         """Return in how many independent ways the tool moves, on all six rows."""
-        return self.tool.ranks(self.whole.null_space).twist
+        return self.tool.twist_rank(self.whole.null_space)
 
     def generic_rates(self) -> Array:
         """Return `rates` by a regular pose: max |v| / σ over its motions v, of twists σ.

@@ -3,11 +3,18 @@
 from __future__ import annotations
 
 import functools
+import sys
+from contextlib import suppress
+from importlib.machinery import PathFinder
+from importlib.util import module_from_spec
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from pmjac_pin.values.arrays import Array, read_only
+
+_ROUTINES = ("dgels", "dgeqrf", "dgesv", "dtrtri")
 
 
 def solved(matrix: Array, right: Array) -> Array | None:
@@ -21,7 +28,7 @@ def solved(matrix: Array, right: Array) -> Array | None:
     >>> solved(np.zeros((2, 2)), np.ones(2)) is None
     True
     """
-    _, _, solution, failed = _lapack().dgesv(matrix, right)
+    _, _, solution, failed = lapack().dgesv(matrix, right)
     return None if failed else solution
 
 
@@ -56,13 +63,49 @@ def least_squares(matrix: Array, right: Array) -> Array | None:
     >>> least_squares(np.eye(3, 2) @ np.diag([1.0, 0.0]), np.ones(3)) is None
     True
     """
-    _, solution, failed = _lapack().dgels(matrix, right)
+    _, solution, failed = lapack().dgels(matrix, right)
     return None if failed else solution[: matrix.shape[1]]
 
 
+def inverse_triangle(matrix: Array) -> Array | None:
+    """Return R⁻¹ of A = Q R, A with more rows than columns, or None as `solved`.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> np.abs(inverse_triangle(np.array([[3.0], [4.0]]))).round(9).tolist()
+    [[0.2]]
+    """
+    reflected, *_ = lapack().dgeqrf(matrix)
+    inverse, failed = lapack().dtrtri(reflected[: matrix.shape[1]])
+    return None if failed else np.triu(inverse)
+
+
 @functools.cache
-def _lapack() -> Any:
-    # When it is first called: to import SciPy takes as long as to import Pinocchio.
+def lapack() -> Any:
+    """Return SciPy's wrappers of LAPACK, imported when they are first asked for.
+
+    All of `scipy.linalg` takes as long to import as Pinocchio, its one module of these a tenth.
+    That is private: where it is elsewhere, or called otherwise, the whole is imported.
+    """
+    if "scipy.linalg" not in sys.modules:
+        with suppress(ImportError):
+            return _alone("_flapack")
     from scipy.linalg import lapack  # noqa: PLC0415
 
     return lapack
+
+
+def _alone(name: str) -> Any:
+    """Import a module of `scipy.linalg` without the others, as one of ours."""
+    import scipy  # noqa: PLC0415
+
+    folders = [str(Path(folder) / "linalg") for folder in scipy.__path__]
+    found = PathFinder.find_spec(f"{__package__}.{name}", folders)
+    if found is None or found.loader is None:
+        raise ImportError(name)
+    module = module_from_spec(found)
+    found.loader.exec_module(module)
+    if not all(hasattr(module, routine) for routine in _ROUTINES):
+        raise ImportError(name)
+    return module

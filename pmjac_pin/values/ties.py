@@ -48,12 +48,12 @@ def pivots(columns: ArrayLike, count: int) -> NDArray[np.intp]:
     [0, 2]
     """
     left = np.array(columns, dtype=np.float64)
-    chosen: list[int] = []
+    product, chosen = np.empty_like(left), list[int]()
     for _ in range(count):
-        sizes = np.sqrt((left * left).sum(axis=0))
+        sizes = np.sqrt(np.multiply(left, left, out=product).sum(axis=0))
         sizes[chosen] = 0.0
         chosen.append(int(first_largest(sizes)))
         unit = left[:, chosen[-1]] / (sizes[chosen[-1]] or 1.0)
         for _ in range(2):  # once more, for what rounding leaves
-            left -= np.outer(unit, unit @ left)
+            left -= np.outer(unit, unit @ left, out=product)
     return np.sort(np.array(chosen, dtype=np.intp))
