@@ -3,18 +3,11 @@
 from __future__ import annotations
 
 import functools
-import sys
-from contextlib import suppress
-from importlib.machinery import PathFinder
-from importlib.util import module_from_spec
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from pmjac_pin.values.arrays import Array, read_only
-
-_ROUTINES = ("dgels", "dgeqrf", "dgesv", "dtrtri")
 
 
 def solved(matrix: Array, right: Array) -> Array | None:
@@ -83,29 +76,7 @@ def inverse_triangle(matrix: Array) -> Array | None:
 
 @functools.cache
 def lapack() -> Any:
-    """Return SciPy's wrappers of LAPACK, imported when they are first asked for.
-
-    All of `scipy.linalg` takes as long to import as Pinocchio, its one module of these a tenth.
-    That is private: where it is elsewhere, or called otherwise, the whole is imported.
-    """
-    if "scipy.linalg" not in sys.modules:
-        with suppress(ImportError):
-            return _alone("_flapack")
+    """Return SciPy's wrappers of LAPACK, imported when they are first asked for."""
     from scipy.linalg import lapack  # noqa: PLC0415
 
     return lapack
-
-
-def _alone(name: str) -> Any:
-    """Import a module of `scipy.linalg` without the others, as one of ours."""
-    import scipy  # noqa: PLC0415
-
-    folders = [str(Path(folder) / "linalg") for folder in scipy.__path__]
-    found = PathFinder.find_spec(f"{__package__}.{name}", folders)
-    if found is None or found.loader is None:
-        raise ImportError(name)
-    module = module_from_spec(found)
-    found.loader.exec_module(module)
-    if not all(hasattr(module, routine) for routine in _ROUTINES):
-        raise ImportError(name)
-    return module
