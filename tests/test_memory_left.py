@@ -127,6 +127,19 @@ def test_what_is_kept_is_bounded():
     assert len(kept[-1]) == 8 * 1059  # the oldest go
 
 
+@linux
+def test_what_nobody_asks_for_any_longer_gives_way_to_the_latest(no_new_memory, monkeypatch):
+    """As the results of another machine that were as large as all that is kept."""
+    monkeypatch.setattr(memory_left, "_MOST", 8 * 3000)
+    before = [empty_arrays(ResultShapes({"q": (1000 + k,)})) for k in range(3)]
+    before.clear()
+    now = [empty_arrays(ResultShapes({"q": (1400,)})) for _ in range(2)]
+    now.clear()
+    assert [len(memory) // 8 for memory in memory_left._LEFT] == [1400, 1400]
+    no_new_memory()
+    assert len([empty_arrays(ResultShapes({"q": (1400,)})) for _ in range(2)]) == 2
+
+
 def test_more_than_there_is_is_an_error_as_ever():
     with pytest.raises(MemoryError):
         empty_arrays(ResultShapes({"q": (1 << 45, 8)}))

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
 LARGE = 1 << 25  # bytes: the C library keeps less for the next one itself
-_MOST = 1 << 32  # bytes that are kept for others
+_MOST = 1 << 32  # bytes that are kept for others: the oldest go
 _LEFT: deque[mmap.mmap] = deque(maxlen=24)  # arrays: those of some results
 
 
@@ -65,9 +65,12 @@ def _mapped(size: int) -> mmap.mmap | None:
 
 
 def _leave_to_next(memory: mmap.mmap) -> None:
-    # Whenever an array ends, maybe within `_taken`: no lock, but one operation that is whole.
-    if sum(map(len, tuple(_LEFT))) + len(memory) > _MOST:
+    # Whenever an array ends, maybe within `_taken`: no lock, but operations that are whole.
+    if len(memory) > _MOST:
         return
     with suppress(OSError):
         memory.madvise(mmap.MADV_FREE)
         _LEFT.append(memory)
+    with suppress(IndexError):  # another thread has taken the last one
+        while sum(map(len, tuple(_LEFT))) > _MOST:
+            _LEFT.popleft()
