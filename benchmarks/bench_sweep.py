@@ -63,7 +63,7 @@ def costs(many: pj.Batch, count: int) -> tuple[float, float]:
 
     known = many.ellipsoids_at(values, threads=1)
     anew, again = [], []
-    for _ in range(max(3, min(100, 10**6 // count))):
+    for _ in range(max(5, min(100, 10**6 // count))):
         anew.append(seconds(lambda: many.ellipsoids_at(values, threads=1)) / count)
         again.append(seconds(lambda: many.ellipsoids_at(values, threads=1, out=known)) / count)
     return statistics.median(anew), statistics.median(again)
