@@ -2,13 +2,13 @@
 
     python benchmarks/bench_sweep.py [N]
 
-N is a million unless told; ten million take a minute. The cost of a pose beside that of the largest
-N is what counts: of closing, J_eq and its singular values, in seconds of the processor, on one
-thread, once with new arrays for the results, which lie where those before have left memory, and
-once with those of a call before (`out=`). Both come after a call that is not counted: where a
-virtual machine touches memory for the first time that its host has yet to give, a page of 4 KB
-takes 7 µs, as long as some tens of poses. What a call costs whatever its size shows at a thousand
-poses of the quickest machine. And that the sweep stays within its memory.
+N is a million unless told; ten million take some minutes. The cost of a pose beside that of the
+largest N is what counts: of closing, J_eq and its singular values, in seconds of the processor, on
+one thread, once with new arrays for the results, which lie where those before have left memory, and
+once with those of a call before (`out=`). All N come in turn, each after calls that are not
+counted: where a virtual machine touches memory for the first time that its host has yet to give, a
+page of 4 KB takes 7 µs, as long as some tens of poses. What a call costs whatever its size shows at
+a thousand poses of the quickest machine. And that the sweep stays within its memory.
 """
 
 from __future__ import annotations
@@ -27,6 +27,7 @@ import pmjac_pin as pj
 
 NAME, SLOWER, MEASURES = "five_bar", "three_rps", ("J_eq", "smallest")
 SPREAD = 0.03  # rad, or m
+ROUNDS = 5
 CHUNK = 100_000
 CAP = 2e9  # bytes
 PAPER = 10**8
@@ -56,17 +57,21 @@ def swept(count: int, out: Path) -> float:
     )
 
 
-def costs(many: pj.Batch, count: int) -> tuple[float, float]:
-    """Seconds a pose: with results in new arrays, and in those of the call before."""
+def trial(many: pj.Batch, count: int) -> Callable[[], tuple[float, float]]:
+    """Return what gives seconds a pose: with results in new arrays, and in those before."""
     home = many.mechanism.home.actuated
     values = home + np.random.default_rng(0).uniform(-SPREAD, SPREAD, (count, home.size))
-
     known = many.ellipsoids_at(values, threads=1)
-    anew, again = [], []
-    for _ in range(max(5, min(100, 10**6 // count))):
-        anew.append(seconds(lambda: many.ellipsoids_at(values, threads=1)) / count)
-        again.append(seconds(lambda: many.ellipsoids_at(values, threads=1, out=known)) / count)
-    return statistics.median(anew), statistics.median(again)
+    many.ellipsoids_at(values, threads=1)
+
+    def costs() -> tuple[float, float]:
+        anew, again = [], []
+        for _ in range(max(1, min(100, 10**6 // count))):
+            anew.append(seconds(lambda: many.ellipsoids_at(values, threads=1)) / count)
+            again.append(seconds(lambda: many.ellipsoids_at(values, threads=1, out=known)) / count)
+        return statistics.median(anew), statistics.median(again)
+
+    return costs
 
 
 def sizes(most: int) -> list[int]:
@@ -74,13 +79,18 @@ def sizes(most: int) -> list[int]:
 
 
 def flatness(many: pj.Batch, name: str, most: int) -> None:
-    """Print what a pose costs for each N, and that beside the cost of the largest."""
-    cost_of = {count: costs(many, count) for count in sizes(most)}
-    last = cost_of[sizes(most)[-1]]
+    """Print what a pose costs for each N, and that beside the cost of the largest, in turn."""
+    trials = {count: trial(many, count) for count in sizes(most)}
+    largest = max(trials)
+    rounds = [{count: costs() for count, costs in trials.items()} for _ in range(ROUNDS)]
     print(f"{name}: closed, with J_eq and radii, in new arrays and in those before")
-    for count, pair in cost_of.items():
-        columns = (f"{1e6 * c:8.3f} µs × {c / d:.2f}" for c, d in zip(pair, last, strict=True))
-        print(f"{count:>9d}{''.join(columns)}")
+    for count in trials:
+        columns = ""
+        for way in (0, 1):
+            cost = statistics.median(one[count][way] for one in rounds)
+            ratio = statistics.median(one[count][way] / one[largest][way] for one in rounds)
+            columns += f"{1e6 * cost:8.3f} µs × {ratio:.2f}"
+        print(f"{count:>9d}{columns}")
 
 
 def main() -> None:
