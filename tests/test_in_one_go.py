@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from dataclasses import fields
 
 import numpy as np
 import pytest
@@ -15,7 +16,7 @@ import pmjac_pin as pj
 from pmjac_pin.batches import filled_again, judge
 from pmjac_pin.batches.gathering import Wanted
 from pmjac_pin.batches.many_rates import ManyRates
-from pmjac_pin.batches.pieces import PIECE
+from pmjac_pin.batches.pieces import PIECE, pieces_of
 from pmjac_pin.batches.rates_in_lanes import rates_kernel
 
 CALLS = ("ellipsoids", "measures")
@@ -143,6 +144,40 @@ def test_interrupted_at_any_step_it_can_be_filled_again(rng):
     assert points > 50
     for one, other in zip(out, expected, strict=True):
         equal(one, other)
+
+
+@pytest.mark.parametrize(
+    "again", [0, 1, *(pytest.param(k, marks=pytest.mark.slow) for k in (2, 5))]
+)
+def test_interrupted_at_any_step_and_again_what_is_not_done_says_so(again, rng):
+    """Unless nothing is done: then all is as before."""
+    many = pj.batch(machine("five_bar"))
+    values = targets(many.mechanism, PIECE // 2 + 1000, 0.2, rng)
+    assert len(pieces_of(len(values))) == 3
+    expected, out = many.ellipsoids_at(values), many.ellipsoids_at(values[::-1])
+    first, points, some = out[0].q.copy(), 1, 0
+    while True:
+        interrupter, before = Interrupter(points, again=again), sys.gettrace()
+        sys.settrace(interrupter)
+        try:
+            many.ellipsoids_at(values, threads=1, out=out)
+        except KeyboardInterrupt:
+            pass
+        finally:
+            sys.settrace(before)
+        if interrupter.left > 0:
+            break
+        points += 1
+        for found, right in zip(out, expected, strict=True):
+            known = found.status == pj.Status.CLOSED
+            some += not known.all()
+            if not (known.all() and np.array_equal(out[0].q, first)):
+                assert (known | (found.status == pj.Status.NOT_DONE)).all()
+                for one in fields(found):
+                    of_it = getattr(found, one.name)[known]
+                    np.testing.assert_array_equal(of_it, getattr(right, one.name)[known])
+        many.ellipsoids_at(values[::-1], out=out)
+    assert some > 50
 
 
 def test_an_interrupt_keeps_both(rng):

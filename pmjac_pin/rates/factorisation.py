@@ -130,7 +130,7 @@ class Factorisation:
     def solve(self, b: Array, rank: int | None = None) -> Array:
         """Return the smallest least-squares solution x of A x = b, by the first `rank` values."""
         r = self.rank if rank is None else rank
-        if self._inverse is not None and r == len(self._inverse):
+        if r == self.matrix.shape[1] and self._inverse is not None:
             solution: Array = self._inverse.dot(b)
             return solution
         left, values, right = self._svd
@@ -139,7 +139,7 @@ class Factorisation:
 
     def inverse(self, rank: int) -> Array:
         """Return the pseudoinverse by the first `rank` singular values, shape (k, p)."""
-        if self._inverse is not None and rank == len(self._inverse):
+        if rank == self.matrix.shape[1] and self._inverse is not None:
             return self._inverse
         left, values, right = self._svd
         inverse: Array = (right[:rank].T / values[:rank]).dot(left[:, :rank].T)
