@@ -7,12 +7,12 @@ by less than the library's tolerance: first both are asked for the same poses an
 
 Fair to MuJoCo: it is asked for positions and equalities alone, never for a step of time, which is
 what it is made for; the first step from home is known once for all; of redundant rows those that
-are independent at home are kept, and solved by LAPACK's own routine, as SciPy has it; singular
-values are those of all poses in one call. Not fair to it: between its calls is a loop in Python.
-So what its calls take by themselves, as often as they were made, is told as well: entering them
-from Python is still in it, and linear algebra, which C around them would need, is not. Not fair
-to the library: the peer certifies nothing, neither that it has stayed in its assembly mode, nor
-that K* is regular there.
+are independent at home are kept; steps are solved by LAPACK's own routine, as SciPy has it, and
+J_eq and singular values are found of all poses in one call of NumPy. Not fair to it: between its
+calls is a loop in Python. So what its calls take by themselves, as often as they were made, is
+told as well: entering them from Python is still in it, and linear algebra, which C around them
+would need, is not. Not fair to the library: the peer certifies nothing, neither that it has
+stayed in its assembly mode, nor that K* is regular there.
 """
 
 from __future__ import annotations
@@ -57,67 +57,63 @@ class Peer:
         self.passive = np.setdiff1d(np.arange(model.nv), self.motors)
         self.tool = model.site(mechanism.spec.tool.names[0]).id
         self.from_home, self.tolerance = mechanism.home.actuated, mechanism.tolerance
-        self.rates, self.rows = np.zeros(model.nv), np.zeros((6, model.nv))
-        self.evaluated = 0
+        self.rates, self.evaluated = np.zeros(model.nv), 0
         self._choose()
 
     def _choose(self) -> None:
         """Choose rows that are independent at home, and know the first step from there."""
         self.data.qpos[:] = self.home
         self.evaluate()
-        nv, data = self.model.nv, self.data
-        order = qr(data.efc_J.reshape(-1, nv)[:, self.passive].T, pivoting=True)[2]
+        nv, K = self.model.nv, self.data.efc_J.reshape(-1, self.model.nv)
+        order = qr(K[:, self.passive].T, pivoting=True)[2]
         self.kept = np.sort(order[: self.passive.size])
-        # Transposed, as LAPACK has them.
-        self.of_passive, self.of_motors = (
-            columns[:, None] + nv * self.kept for columns in (self.passive, self.motors)
-        )
-        self.first = self.solve(data.efc_J.take(self.of_motors).T)
+        # Where they are in MuJoCo's array, transposed, as LAPACK has them.
+        self.K_star_at = self.passive[:, None] + nv * self.kept
+        self.first = self.follow(K[None])[0]
+
+    def follow(self, K: np.ndarray) -> np.ndarray:
+        """Return K*⁻¹ K, of many poses."""
+        kept = K[:, self.kept]
+        return np.linalg.solve(kept[..., self.passive], kept[..., self.motors])
 
     def evaluate(self) -> None:
         for call in self.evaluations:
             call(self.model, self.data)
         self.evaluated += 1
 
-    def solve(self, right: np.ndarray) -> np.ndarray:
-        K_star = self.data.efc_J.take(self.of_passive).T
-        *_, solved, failed = dgesv(K_star, right, overwrite_a=True, overwrite_b=True)
-        assert not failed
-        return solved
-
     def close(self, displacement: np.ndarray) -> None:
         """Lead the motors from home by a displacement, the others by Newton's method."""
         model, data, rates, passive = self.model, self.data, self.rates, self.passive
         data.qpos[:] = self.home
-        rates[self.motors], rates[passive] = displacement, self.first @ -displacement
-        self.integrate(model, data.qpos, rates, 1.0)
+        rates[self.motors], rates[passive] = -displacement, self.first.dot(displacement)
+        self.integrate(model, data.qpos, rates, -1.0)
         rates[self.motors] = 0.0
         for _ in range(20):
             self.evaluate()
             residual = data.efc_pos
             if residual.dot(residual) < self.tolerance**2:
                 return
-            rates[passive] = self.solve(-residual[self.kept])
-            self.integrate(model, data.qpos, rates, 1.0)
+            K_star, right = data.efc_J.take(self.K_star_at).T, residual.take(self.kept)
+            *_, rates[passive], failed = dgesv(K_star, right, overwrite_a=True, overwrite_b=True)
+            assert not failed
+            self.integrate(model, data.qpos, rates, -1.0)
         raise RuntimeError("open")
 
-    def J_eq(self) -> np.ndarray:
-        rows = self.rows
-        self.jacobian_of(self.model, self.data, rows[:3], rows[3:], self.tool)
-        follow = self.solve(self.data.efc_J.take(self.of_motors).T)
-        return rows[:, self.motors] - rows[:, self.passive] @ follow
-
     def run(self, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        J_eq = np.empty((len(values), 6, self.motors.size))
-        for displacement, found in zip(values - self.from_home, J_eq, strict=True):
+        model, data, count = self.model, self.data, len(values)
+        K, tool = np.empty((count, data.nefc * model.nv)), np.empty((count, 6, model.nv))
+        for displacement, its_K, its in zip(values - self.from_home, K, tool, strict=True):
             self.close(displacement)
-            found[:] = self.J_eq()
-        blocks = J_eq.reshape(-1, 2, 3, self.motors.size)
-        return J_eq, np.linalg.svd(blocks, compute_uv=False)
+            its_K[:] = data.efc_J
+            self.jacobian_of(model, data, its[:3], its[3:], self.tool)
+        follow = self.follow(K.reshape(count, -1, model.nv))
+        J_eq = tool[..., self.motors] - tool[..., self.passive] @ follow
+        return J_eq, np.linalg.svd(J_eq.reshape(count, 2, 3, -1), compute_uv=False)
 
     def calls_alone(self, count: int, evaluations: int) -> None:
         """Make MuJoCo's calls of as many poses, and nothing between them."""
-        model, data, rows, still = self.model, self.data, self.rows, np.zeros(self.model.nv)
+        model, data, still = self.model, self.data, np.zeros(self.model.nv)
+        rows = np.empty((6, model.nv))
         for _ in range(evaluations):
             self.integrate(model, data.qpos, still, 1.0)
             self.evaluate()
