@@ -3,7 +3,8 @@
 Both close, give J_eq, and the singular values of its linear and angular rows, at the same targets.
 The peer has the machine as `pmjac_pin.export` writes it, and closes each target from home by
 Newton's method on the residual and the Jacobian of MuJoCo's equalities, until the loops are open
-by less than the library's tolerance: first both are asked for the same poses and J_eq.
+by less than the library's tolerance. First both must have the same poses, J_eq and radii, to 1e-9
+of the machine's length and of the largest entry of J_eq.
 
 Fair to MuJoCo: it is asked for positions and equalities alone, never for a step of time, which is
 what it is made for; the first step from home is known once for all; of redundant rows those that
