@@ -6,6 +6,7 @@ import sys
 
 import numpy as np
 import pytest
+from interrupter import Interrupter
 from mechanisms import mostly_slow
 from test_batch import NAMES, machine, targets
 from test_filled_again import equal
@@ -118,22 +119,6 @@ def test_whoever_interrupts_leaves_what_is_to_be_filled(rng, monkeypatch):
             with pytest.raises(KeyboardInterrupt):
                 many.ellipsoids_at(values, out=out)
         assert many.ellipsoids_at(values, out=out)[0] is out[0]
-
-
-class Interrupter:
-    """Interrupts where a function of the package is entered or left, for the n-th time."""
-
-    def __init__(self, number):
-        self.left = number
-
-    def __call__(self, frame, event, arg):
-        if "pmjac_pin" not in frame.f_code.co_filename:
-            return None
-        if event in {"call", "return"}:
-            self.left -= 1
-            if not self.left:
-                raise KeyboardInterrupt
-        return self
 
 
 def test_interrupted_at_any_step_it_can_be_filled_again(rng):
