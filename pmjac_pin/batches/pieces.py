@@ -6,7 +6,6 @@ interrupts is not lost.
 
 from __future__ import annotations
 
-import os
 from _thread import start_new_thread
 from collections import deque
 from collections.abc import Callable, Iterator
@@ -21,6 +20,7 @@ from pmjac_pin.batches.rest import Rest, wait_for, wait_whatever_happens
 from pmjac_pin.batches.results import Status, say_nothing
 from pmjac_pin.errors import ArgumentError, Interrupted, quoted
 from pmjac_pin.values.arrays import Mask
+from pmjac_pin.values.cores import usable_cores
 
 PIECE = 5120  # poses at most: they fill the kernel's lanes, and some MB
 _BY_ONE = 3072  # poses of a small machine, done as soon as another thread would have begun
@@ -233,8 +233,7 @@ def interrupted(what: str, done: object) -> Interrupted:
 def thread_count(given: int | None) -> int:
     """Return how many threads: all cores that this process may use, unless told."""
     if given is None:
-        allowed = getattr(os, "sched_getaffinity", None)  # not on every system
-        return len(allowed(0)) if allowed else os.cpu_count() or 1
+        return usable_cores()
     if isinstance(given, bool) or not isinstance(given, int) or given < 1:
         raise ArgumentError(f"threads must be a whole number ≥ 1 or None, got {quoted(given)}")
     return given
