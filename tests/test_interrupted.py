@@ -21,7 +21,7 @@ from pmjac_pin.batches.gathering import Manner, Wanted, gathered
 from pmjac_pin.batches.pieces import PIECE, pieces_of
 from pmjac_pin.batches.rest import Rest
 from pmjac_pin.batches.result_shapes import shapes_of
-from pmjac_pin.batches.turn import Turn
+from pmjac_pin.batches.turn import RefillTurn
 
 COUNT = 40_000
 VALUES = np.array([2.187, 0.954]) + np.random.default_rng(0).uniform(-0.1, 0.1, (COUNT, 2))
@@ -274,13 +274,13 @@ def test_a_second_interrupt_waits_for_what_is_still_written():
 
 
 def test_what_a_thread_still_writes_to_is_no_other_calls():
-    last, turn, rest = Turn(), Turn(), Rest()
+    last, turn, rest = RefillTurn(), RefillTurn(), Rest()
     last.helpers, last.has_ended, rest.is_busy = [rest], True, True
     assert not turn.is_behind(last, pj.ManyClosed)
     rest.reach()
     assert turn.is_behind(last, pj.ManyClosed)
-    assert not Turn().is_behind(last, pj.ManyClosed)
-    assert Turn().is_behind(last, pj.ManyEllipsoids)  # another result of the same call
+    assert not RefillTurn().is_behind(last, pj.ManyClosed)
+    assert RefillTurn().is_behind(last, pj.ManyEllipsoids)  # another result of the same call
 
 
 def test_where_no_thread_can_begin_the_caller_does_all(monkeypatch):

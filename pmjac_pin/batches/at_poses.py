@@ -6,6 +6,7 @@ What they certify is what the single call says; where they cannot, the single ca
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cached_property
 from typing import Any, TypeAlias
 
 from pmjac_pin.algebra.compiled_programs import CompiledPrograms
@@ -53,7 +54,7 @@ class AtPoses:
 
     def ellipsoids(self) -> RatesWork:
         """Return what finds the arrays of `ManyEllipsoids`."""
-        return EllipsoidsWork(self._rates(self._recorded.ellipsoids), self._judge)
+        return self._ellipsoids
 
     def measures(self) -> RatesWork:
         """Return what finds those of `ManyMeasures`."""
@@ -70,6 +71,10 @@ class AtPoses:
             blank_open(found)
 
         return work
+
+    @cached_property
+    def _ellipsoids(self) -> EllipsoidsWork:
+        return EllipsoidsWork(self._rates(self._recorded.ellipsoids), self._judge)
 
     def _rates(self, tape: Tape) -> ManyRates:
         """Return what computes J_eq by a tape."""

@@ -9,7 +9,7 @@ import numpy as np
 from pmjac_pin.algebra.compiled_programs import CompiledPrograms
 from pmjac_pin.batches.one_by_one import close_one
 from pmjac_pin.batches.pieces import Piece
-from pmjac_pin.batches.results import Status, Statuses
+from pmjac_pin.batches.results import CLOSED, Status, Statuses
 from pmjac_pin.closing.kernel_walk import Following
 from pmjac_pin.closing.many_idle_paths import ManyIdlePaths
 from pmjac_pin.closing.many_paths import GoOn, Paths, Walker
@@ -20,8 +20,6 @@ from pmjac_pin.errors import ClosureError, MissingDependencyError
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.limits import beyond_limits
 from pmjac_pin.values.arrays import Array, Mask
-
-_CLOSED = int(Status.CLOSED)  # NumPy asks a Status itself for its number, each time
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -100,7 +98,7 @@ class Closing:
         walked = self.together(
             start, values, ends, go_on=on, most_steps=most_steps, following=following
         )
-        status.fill(_CLOSED)
+        status.fill(CLOSED)
         if not (walked.all_arrived or (share == 1.0).all()):
             self._settle(piece, paths, walked.settled, found, most_steps)
         self._keep_to_limits(whose, values, q, status)

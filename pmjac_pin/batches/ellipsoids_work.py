@@ -10,11 +10,9 @@ from pmjac_pin.batches.judge import Judge
 from pmjac_pin.batches.many_rates import ManyRates
 from pmjac_pin.batches.pieces import Piece
 from pmjac_pin.batches.rates_in_lanes import RatesInLanes
-from pmjac_pin.batches.results import Status, Statuses
+from pmjac_pin.batches.results import CLOSED, Statuses
 from pmjac_pin.rates.many_radii import fill_radii
 from pmjac_pin.values.arrays import Array, Mask
-
-_CLOSED = int(Status.CLOSED)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -43,7 +41,7 @@ class EllipsoidsWork:
         """Fill what is left of them: all, where that was not done."""
         J_eq, status, *radii = found
         if begun.is_certain:
-            status.fill(_CLOSED)
+            status.fill(CLOSED)
         elif begun.is_done:
             self._settle(begun.told(), piece, q, (J_eq, status), radii)
         else:

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmjac_pin.batches.result_shapes import ResultShapes
-from pmjac_pin.batches.turn import Turn
+from pmjac_pin.batches.turn import RefillTurn
 from pmjac_pin.errors import ArgumentError, quoted
 from pmjac_pin.values.arrays import Array, ReadOnlyArrays
 
@@ -28,7 +28,7 @@ class Shown:
 
     arrays: Mapping[str, NDArray[Any]]
     shapes: ResultShapes
-    last: Turn
+    last: RefillTurn
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,7 +57,7 @@ def shown_by(
     kind: type[Refillable],
     shapes: ResultShapes,
     given: Sequence[Array],
-    turn: Turn,
+    turn: RefillTurn,
 ) -> Shown:
     """Take the arrays of a result that is to be filled again, or say why they cannot be.
 
@@ -72,7 +72,7 @@ def shown_by(
         Of its arrays.
     given : sequence of ndarray
         What is read while they are filled.
-    turn : Turn
+    turn : RefillTurn
         The call's that fills them.
 
     Raises

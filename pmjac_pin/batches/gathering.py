@@ -10,11 +10,13 @@ from pmjac_pin.batches.pieces import (
     Filling,
     PieceWork,
     Progress,
+    Whole,
+    filling_of,
     interrupted,
     thread_count,
 )
 from pmjac_pin.batches.result_shapes import ResultShapes, empty_arrays
-from pmjac_pin.batches.turn import Turn
+from pmjac_pin.batches.turn import RefillTurn
 from pmjac_pin.values.arrays import Array, sealed
 from pmjac_pin.values.checks import check_callable
 
@@ -63,7 +65,7 @@ class Wanted(Generic[Results]):
     ) -> None:
         self._kind, self._shapes, self._out, self._more = kind, shapes, out, more
 
-    def taken(self, given: Sequence[Array], turn: Turn) -> tuple[Results, Shown]:
+    def taken(self, given: Sequence[Array], turn: RefillTurn) -> tuple[Results, Shown]:
         """Return the results and what they show, which nobody else fills until a turn is over.
 
         Raises
@@ -111,14 +113,14 @@ def gathered_together(
 ) -> tuple[Any, ...]:
     """Return several results of the same poses, each piece of all of them at a time."""
     check_callable(how.progress, "progress")
-    threads, turn = thread_count(how.threads), Turn()
+    threads, turn = thread_count(how.threads), RefillTurn()
     try:
         taken = [one.taken(how.given, turn) for one in wanted]
         for one in wanted:  # none of them was refused
             one.renew()
         results = tuple([result for result, _ in taken])
         arrays = [array for _, shown in taken for array in shown.arrays.values()]
-        filling = Filling(arrays, work)
+        filling = filling_of(arrays, work)
         turn.helpers = filling.helpers
         _fill(filling, threads, how.progress, results)
     finally:
@@ -127,7 +129,7 @@ def gathered_together(
 
 
 def _fill(
-    filling: Filling, threads: int, progress: Progress | None, results: tuple[Any, ...]
+    filling: Whole | Filling, threads: int, progress: Progress | None, results: tuple[Any, ...]
 ) -> None:
     """Fill results; say of what is not filled that it is not done."""
     try:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from _thread import start_new_thread
 from collections import deque
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from itertools import pairwise, repeat
 from typing import Any, TypeAlias
@@ -39,7 +39,7 @@ class Piece:
 
     __slots__ = ("_of", "at")
 
-    def __init__(self, at: slice, of: Filling) -> None:
+    def __init__(self, at: slice, of: Whole | Filling) -> None:
         self.at, self._of = at, of
 
     def each(self, of: Mask) -> Iterator[int]:
@@ -81,7 +81,63 @@ def pieces_of(count: int) -> list[slice[int, int, None]]:
     return [slice(start, end) for start, end in pairwise(ends)]
 
 
-class Filling:
+class _Arrays:
+    """Arrays of results that are filled piece by piece.
+
+    What has become of poses is said when all of their piece is done, and before that they are not:
+    so whenever somebody interrupts, and however often, what is not done says so.
+    """
+
+    def __init__(self, found: list[NDArray[Any]], work: PieceWork) -> None:
+        self._found, self._work = found, work
+        self._statuses = [k for k, array in enumerate(found) if array.itemsize == 1]
+        for k in self._statuses:
+            found[k].fill(_NOT_DONE)
+
+    def _do(self, piece: Piece, found: list[NDArray[Any]]) -> None:
+        """Fill the arrays of a piece."""
+        told = found.copy()
+        for k in self._statuses:
+            told[k] = np.empty(found[k].shape, np.int8)
+        self._work(piece, *told)
+        for k in self._statuses:
+            found[k][:] = told[k]
+
+
+class Whole(_Arrays):
+    """Arrays of so few poses that they are one piece, where each microsecond counts.
+
+    Attributes
+    ----------
+    count : int
+    given_up, helpers
+        As of `Filling`: never, and none.
+    """
+
+    given_up = False
+    helpers: Sequence[Rest] = ()
+
+    def __init__(self, found: list[NDArray[Any]], work: PieceWork) -> None:
+        super().__init__(found, work)
+        self.count, self._is_done = len(found[0]), False
+
+    def fill(self, _: int, progress: Progress | None) -> None:
+        """Fill the arrays, in the caller's thread."""
+        if self.count:
+            self._do(Piece(slice(0, self.count), self), self._found)
+        self._is_done = True
+        if progress is not None and self.count:
+            progress(self.count, self.count)
+
+    def blank(self) -> int:
+        """Leave no numbers where they are not filled; return how many poses are done."""
+        if self._is_done:
+            return self.count
+        say_nothing(self._found, slice(None), Status.NOT_DONE)
+        return 0
+
+
+class Filling(_Arrays):
     """Arrays of many poses, filled piece by piece, and the pieces that are left.
 
     Threads take the pieces in their order, the caller's own among them. What they share are
@@ -97,35 +153,18 @@ class Filling:
     """
 
     def __init__(self, found: list[NDArray[Any]], work: PieceWork) -> None:
-        self.count, self._found, self._work = len(found[0]), found, work
-        self._statuses = [k for k, array in enumerate(found) if array.itemsize == 1]
-        for k in self._statuses:
-            found[k].fill(_NOT_DONE)
+        super().__init__(found, work)
+        self.count = len(found[0])
         self._left = {piece.start: piece for piece in pieces_of(self.count)}
-        self._waiting: deque[int] = deque()
+        self._waiting = deque(self._left)
         self._ended: deque[int] = deque()
+        self._failed: dict[int, Exception] = {}
         self.given_up = False
         self.helpers: list[Rest] = []
 
     def fill(self, threads: int, progress: Progress | None) -> None:
         """Fill the arrays; raise what went wrong in the first of the pieces where something did."""
-        if len(self._left) == 1:
-            self._fill_at_once(progress)
-        else:
-            self._fill_by_threads(threads, progress)
-
-    def _fill_at_once(self, progress: Progress | None) -> None:
-        """Fill what is one piece: of so few poses each microsecond counts."""
-        (whole,) = self._left.values()
-        self._do(Piece(whole, self), self._found)
-        self._left.clear()
-        if progress is not None:
-            progress(self.count, self.count)
-
-    def _fill_by_threads(self, threads: int, progress: Progress | None) -> None:
         told = _Told(progress, self.count, self._ended)
-        self._failed: dict[int, Exception] = {}
-        self._waiting.extend(self._left)
         self.helpers.extend(Rest() for _ in range(min(threads, len(self._left)) - 1))
         begun: list[int] = []
         try:
@@ -194,17 +233,10 @@ class Filling:
         del self._left[at]
         self._ended.append(piece.at.stop - at)
 
-    def _do(self, piece: Piece, found: list[NDArray[Any]]) -> None:
-        """Fill the arrays of a piece; what has become of its poses is said when all of it is done.
 
-        So whenever somebody interrupts, and however often: what is not done says so.
-        """
-        told = found.copy()
-        for k in self._statuses:
-            told[k] = np.empty(found[k].shape, np.int8)
-        self._work(piece, *told)
-        for k in self._statuses:
-            found[k][:] = told[k]
+def filling_of(found: list[NDArray[Any]], work: PieceWork) -> Whole | Filling:
+    """Return what fills arrays, each of its pieces by such work."""
+    return Whole(found, work) if len(found[0]) <= _BY_ONE else Filling(found, work)
 
 
 class _Told:

@@ -46,7 +46,7 @@ def wait_whatever_happens(threads: Sequence[Rest]) -> None:
     """Wait until all are at rest, however often somebody interrupts.
 
     But between two steps of this function itself: so what they write to is nobody else's before
-    they are (`Turn`).
+    they are (`RefillTurn`).
     """
     while True:
         try:

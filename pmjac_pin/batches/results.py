@@ -34,6 +34,9 @@ class Status(IntEnum):
     INVALID = 8
 
 
+CLOSED = int(Status.CLOSED)  #: NumPy asks a Status itself for its number, each time
+
+
 @dataclass(frozen=True, eq=False)
 class ManyClosed(Refillable):
     """Closed poses, or where their paths ended.

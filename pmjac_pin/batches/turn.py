@@ -1,4 +1,4 @@
-"""Turn: whose turn it is to fill results again."""
+"""Turns: whose turn it is to fill results again."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from pmjac_pin.batches.rest import Rest
 
 
-class Turn:
+class RefillTurn:
     """A call's turn to fill results, one of a kind: others are refused until it is over.
 
     Threads may ask at the same time, and somebody interrupt between any two steps. So it is over
@@ -23,7 +23,7 @@ class Turn:
 
     Examples
     --------
-    >>> first, mine, other = Turn(), Turn(), Turn()
+    >>> first, mine, other = RefillTurn(), RefillTurn(), RefillTurn()
     >>> first.has_ended = True
     >>> mine.is_behind(first, dict), other.is_behind(first, dict)
     (True, False)
@@ -37,7 +37,7 @@ class Turn:
     def __init__(self) -> None:
         self.has_ended = False
         self.helpers: Sequence[Rest] = ()
-        self._next: dict[type, Turn] = {}
+        self._next: dict[type, RefillTurn] = {}
 
     @property
     def is_over(self) -> bool:
@@ -46,7 +46,7 @@ class Turn:
             return self.has_ended
         return self.has_ended and not any(rest.is_busy for rest in self.helpers)
 
-    def is_behind(self, last: Turn, kind: type) -> bool:
+    def is_behind(self, last: RefillTurn, kind: type) -> bool:
         """Take this turn behind another, or those that have come after it, if they are over."""
         while last is not self:
             if not last.is_over:
