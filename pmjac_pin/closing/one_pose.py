@@ -47,8 +47,15 @@ class KnownPose:
         J_eq = numbers[:count].reshape(6, -1)
         if frame == "LOCAL_WORLD_ALIGNED":
             return J_eq
-        position, rotation = numbers[count : count + 3], numbers[count + 3 :].reshape(3, 3)
+        position, rotation = numbers[count + 2 : count + 5], numbers[count + 5 :].reshape(3, 3)
         return read_only(change_frame(J_eq, frame, rotation, position))
+
+    def sizes(self, frame: FrameName) -> Array | None:
+        """Return `TwistMap.sizes` of that J_eq, shape (2,), read-only; None of twists elsewhere."""
+        # Axes that are turned change no norm; another point than the tool's does.
+        if frame == "WORLD":
+            return None
+        return np.frombuffer(self._told, count=2, offset=_DOUBTS.size + 48 * self._motors)
 
 
 class OnePose:

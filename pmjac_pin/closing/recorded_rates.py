@@ -195,16 +195,16 @@ class RecordedRates:
         return self.recordings.tape(f"jacobian {frame}", self.recorder.nq, make)
 
     def pose_tape(self) -> Tape:
-        """Return q ↦ (those of `jacobian_tape`, tool (12,)).
+        """Return q ↦ (those of `jacobian_tape`, sizes (2,), tool (12,)).
 
-        Of the tool the position and the rotation (3, 3), as `measures_tape` has them.
+        Sizes as of `ellipsoids_tape`; of the tool the position and the rotation (3, 3).
         """
 
         def make(q: Sequence[Term]) -> list[Any]:
             kinematics = self.recorder.at(q)
             found = self.equivalent(kinematics, "LOCAL_WORLD_ALIGNED")
             tool = [*kinematics.position, *kinematics.rotation.ravel()]
-            return [*found.judged(), *tool]
+            return [*found.judged(), *found.sizes(), *tool]
 
         return self.recordings.tape("pose", self.recorder.nq, make)
 
