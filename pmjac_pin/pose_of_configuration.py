@@ -60,10 +60,10 @@ class PoseOfConfiguration(NamedTuple):
     def sizes(self) -> Array | None:
         """Return `TwistMap.sizes` of J_eq there, None where no program has told them."""
         configuration = self.configuration
-        known, home = configuration._known, configuration._parts.problem
-        if known is None or configuration.problem is not home:
+        home = configuration._parts.problem
+        if configuration._known is None or configuration.problem is not home:
             return None
-        return known.sizes(self.frame)
+        return configuration.mechanism.recorded.sizes(configuration.q, self.frame)
 
     def places(self) -> float:
         """Return what rounding of places moves the tool by, m."""
