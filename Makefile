@@ -33,6 +33,7 @@ bench: .venv/ready
 	$(BIN)/python benchmarks/bench_batch.py
 	$(BIN)/python benchmarks/bench_avx2.py
 	$(BIN)/python benchmarks/bench_cpp.py
+	$(BIN)/python benchmarks/bench_mujoco.py
 	$(BIN)/python benchmarks/bench_grid.py
 	$(BIN)/python benchmarks/bench_ladder.py
 	$(BIN)/python benchmarks/bench_sweep.py 1e7
@@ -55,6 +56,7 @@ bench-many: .venv/ready
 	$(BIN)/python benchmarks/bench_batch.py
 	$(BIN)/python benchmarks/bench_avx2.py
 	$(BIN)/python benchmarks/bench_cpp.py
+	$(BIN)/python benchmarks/bench_mujoco.py
 	$(BIN)/python benchmarks/bench_grid.py
 	$(BIN)/python benchmarks/bench_sweep.py 1e7
 	$(BIN)/python benchmarks/bench_parameters.py

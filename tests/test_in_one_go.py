@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import sys
+from dataclasses import fields
 
 import numpy as np
 import pytest
+from interrupter import Interrupter
 from mechanisms import mostly_slow
 from test_batch import NAMES, machine, targets
 from test_filled_again import equal
@@ -14,7 +16,7 @@ import pmjac_pin as pj
 from pmjac_pin.batches import filled_again, judge
 from pmjac_pin.batches.gathering import Wanted
 from pmjac_pin.batches.many_rates import ManyRates
-from pmjac_pin.batches.pieces import PIECE
+from pmjac_pin.batches.pieces import PIECE, pieces_of
 from pmjac_pin.batches.rates_in_lanes import rates_kernel
 
 CALLS = ("ellipsoids", "measures")
@@ -120,22 +122,6 @@ def test_whoever_interrupts_leaves_what_is_to_be_filled(rng, monkeypatch):
         assert many.ellipsoids_at(values, out=out)[0] is out[0]
 
 
-class Interrupter:
-    """Interrupts where a function of the package is entered or left, for the n-th time."""
-
-    def __init__(self, number):
-        self.left = number
-
-    def __call__(self, frame, event, arg):
-        if "pmjac_pin" not in frame.f_code.co_filename:
-            return None
-        if event in {"call", "return"}:
-            self.left -= 1
-            if not self.left:
-                raise KeyboardInterrupt
-        return self
-
-
 def test_interrupted_at_any_step_it_can_be_filled_again(rng):
     many = pj.batch(machine("five_bar"))
     values = targets(many.mechanism, 3, 0.2, rng)
@@ -158,6 +144,40 @@ def test_interrupted_at_any_step_it_can_be_filled_again(rng):
     assert points > 50
     for one, other in zip(out, expected, strict=True):
         equal(one, other)
+
+
+@pytest.mark.parametrize(
+    "again", [0, 1, *(pytest.param(k, marks=pytest.mark.slow) for k in (2, 5))]
+)
+def test_interrupted_at_any_step_and_again_what_is_not_done_says_so(again, rng):
+    """Unless nothing is done: then all is as before."""
+    many = pj.batch(machine("five_bar"))
+    values = targets(many.mechanism, PIECE // 2 + 1000, 0.2, rng)
+    assert len(pieces_of(len(values))) == 3
+    expected, out = many.ellipsoids_at(values), many.ellipsoids_at(values[::-1])
+    first, points, some = out[0].q.copy(), 1, 0
+    while True:
+        interrupter, before = Interrupter(points, again=again), sys.gettrace()
+        sys.settrace(interrupter)
+        try:
+            many.ellipsoids_at(values, threads=1, out=out)
+        except KeyboardInterrupt:
+            pass
+        finally:
+            sys.settrace(before)
+        if interrupter.left > 0:
+            break
+        points += 1
+        for found, right in zip(out, expected, strict=True):
+            known = found.status == pj.Status.CLOSED
+            some += not known.all()
+            if not (known.all() and np.array_equal(out[0].q, first)):
+                assert (known | (found.status == pj.Status.NOT_DONE)).all()
+                for one in fields(found):
+                    of_it = getattr(found, one.name)[known]
+                    np.testing.assert_array_equal(of_it, getattr(right, one.name)[known])
+        many.ellipsoids_at(values[::-1], out=out)
+    assert some > 50
 
 
 def test_an_interrupt_keeps_both(rng):

@@ -9,6 +9,7 @@ from threading import Barrier
 import numpy as np
 import pytest
 import threadpoolctl
+from interrupter import Interrupter
 from ladder import ladder
 from mechanisms import loaded
 
@@ -33,16 +34,17 @@ def two_threads():
 
 @pytest.fixture
 def told(monkeypatch):
-    """What is asked of BLAS, one after the other: limits, and "back"."""
+    """What is asked of BLAS of 7 threads, one after the other: 1, and all of them again."""
     asked = []
 
-    class Libraries:
-        def limit(self, limits, user_api):
-            asked.append((limits, user_api))
-            return self
+    class Library:
+        user_api, num_threads = "blas", 7
 
-        def restore_original_limits(self):
-            asked.append("back")
+        def set_num_threads(self, number):
+            asked.append(number)
+
+    class Libraries:
+        lib_controllers = (Library(),)
 
     monkeypatch.setattr(threadpoolctl, "ThreadpoolController", Libraries)
     one_thread._libraries.cache_clear()
@@ -97,8 +99,8 @@ def test_the_last_of_several_that_overlap_gives_them_back(told):
         last = pool.submit(second)
         pool.submit(first).result()
         ended.wait()
-        assert last.result() == [(1, "blas")]
-    assert told == [(1, "blas"), "back"]
+        assert last.result() == [1]
+    assert told == [1, 7]
 
 
 @pytest.mark.parametrize(
@@ -111,7 +113,7 @@ def test_the_last_of_several_that_overlap_gives_them_back(told):
 )
 def test_studies_of_many_small_matrices_have_one(study, told):
     study(loaded("five_bar"))
-    assert told == [(1, "blas"), "back"]
+    assert told == [1, 7]
 
 
 def test_a_large_machine_has_one_for_its_load_its_first_pose_and_each_path(told):
@@ -125,7 +127,45 @@ def test_a_large_machine_has_one_for_its_load_its_first_pose_and_each_path(told)
         step()
         asked.append(len(told))
     assert np.diff(asked).all()
-    assert told == [(1, "blas"), "back"] * (len(told) // 2)
+    assert told == [1, 7] * (len(told) // 2)
+
+
+@pytest.mark.usefixtures("two_threads")
+def test_interrupted_at_any_step_there_are_as_many_as_before():
+    points, left_by_interrupts, mechanism = 0, 0, ladder(24)
+    target = mechanism.home.actuated + 0.01
+    mechanism.close(target)
+    while True:
+        points += 1
+        interrupter, before = Interrupter(points, "one_thread.py"), sys.gettrace()
+        sys.settrace(interrupter)
+        try:
+            mechanism.close(target)
+        except KeyboardInterrupt:
+            pass
+        finally:
+            sys.settrace(before)
+        left_by_interrupts += threads() != {2}
+        on_one_thread(lambda: None)()
+        assert threads() == {2}
+        if interrupter.left > 0:
+            break
+    # Where the interrupt comes before the first step of leaving, the next one who leaves does it.
+    assert left_by_interrupts <= 0.1 * points
+    assert points > 10
+
+
+@pytest.mark.usefixtures("two_threads")
+def test_a_process_that_is_forked_within_has_them_back():
+    read, write = os.pipe()
+    with one_thread.one_thread_from(100):
+        child = os.fork()
+        if not child:
+            os.write(write, bytes(threads()))
+            os._exit(0)
+        assert threads() == {1}
+    os.waitpid(child, 0)
+    assert set(os.read(read, 9)) == {2}
 
 
 def test_of_a_small_one_nothing_is_asked(told):

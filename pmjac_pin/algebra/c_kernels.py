@@ -33,11 +33,11 @@ def loaded(
         library.pmjac_source.restype = ctypes.c_char_p
         if library.pmjac_source() != digest.encode():
             return None
-        for function, types in arguments.items():
-            getattr(library, function).argtypes = types
-        return library
     except (OSError, AttributeError):
         return None
+    for function, types in arguments.items():
+        getattr(library, function).argtypes = types
+    return library
 
 
 def address(array: NDArray[Any]) -> int:

@@ -133,8 +133,9 @@ def _fill(
     try:
         filling.fill(threads, progress)
     except BaseException as stopped:
-        told = f"{filling.blank()} of {filling.count} poses"
-        if isinstance(stopped, KeyboardInterrupt):
+        done_poses = filling.blank()
+        if isinstance(stopped, KeyboardInterrupt) and done_poses is not None:
+            told = f"{done_poses} of {filling.count} poses"
             done = results if len(results) > 1 else results[0]
             raise interrupted(told, done) from None
         raise

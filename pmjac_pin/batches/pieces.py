@@ -98,6 +98,9 @@ class Filling:
 
     def __init__(self, found: Sequence[NDArray[Any]], work: PieceWork) -> None:
         self.count, self._found, self._work = len(found[0]), found, work
+        self._statuses = [k for k, array in enumerate(found) if array.dtype == np.int8]
+        for k in self._statuses:
+            found[k].fill(Status.NOT_DONE)
         self._left = {piece.start: piece for piece in pieces_of(self.count)}
         self._waiting = deque(self._left)
         self._ended: deque[int] = deque()
@@ -115,7 +118,7 @@ class Filling:
     def _fill_at_once(self, progress: Progress | None) -> None:
         """Fill what is one piece: of so few poses each microsecond counts."""
         (whole,) = self._left.values()
-        self._work(Piece(whole, self), *self._found)
+        self._do(Piece(whole, self), list(self._found))
         self._left.clear()
         if progress is not None:
             progress(self.count, self.count)
@@ -134,8 +137,7 @@ class Filling:
             wait_for(self.helpers[: len(begun)])
             told.on()
         except BaseException:
-            self._waiting.clear()
-            self.given_up = True
+            self.give_up()
             wait_whatever_happens(self.helpers[: len(begun)])
             raise
         for at in sorted(self._failed)[:1]:
@@ -143,8 +145,20 @@ class Filling:
         if self._left:
             raise RuntimeError(f"a thread has ended before {len(self._left)} of its pieces")
 
-    def blank(self) -> int:
-        """Say of the pieces that are left that they are not done; return how many poses are."""
+    def give_up(self) -> None:
+        """Leave what has not begun; what has ends at its next step."""
+        self._waiting.clear()
+        self.given_up = True
+
+    def blank(self) -> int | None:
+        """Leave no numbers in pieces that are left; return how many poses are done.
+
+        None where threads still write, since somebody has interrupted again before they were at
+        rest: then what is done is not known yet, and the rest says that it is not done.
+        """
+        self.give_up()
+        if any(rest.is_busy for rest in self.helpers):
+            return None
         left = list(self._left.values())
         for piece in left:
             say_nothing(self._found, piece, Status.NOT_DONE)
@@ -175,9 +189,21 @@ class Filling:
 
     def _fill(self, at: int) -> None:
         piece = Piece(self._left[at], self)
-        self._work(piece, *[array[piece.at] for array in self._found])
+        self._do(piece, [array[piece.at] for array in self._found])
         del self._left[at]
         self._ended.append(piece.at.stop - at)
+
+    def _do(self, piece: Piece, found: list[NDArray[Any]]) -> None:
+        """Fill the arrays of a piece; what has become of its poses is said when all of it is done.
+
+        So whenever somebody interrupts, and however often: what is not done says so.
+        """
+        shown = [found[k] for k in self._statuses]
+        for k in self._statuses:
+            found[k] = np.empty(len(found[k]), np.int8)
+        self._work(piece, *found)
+        for k, status in zip(self._statuses, shown, strict=True):
+            status[:] = found[k]
 
 
 class _Told:

@@ -1,4 +1,4 @@
-"""ResultShapes of results of many poses, and arrays of these shapes."""
+"""Shapes of results of many poses, and arrays of these shapes."""
 
 from __future__ import annotations
 

@@ -43,8 +43,8 @@ def ranked(problem: ClosureProblem, kinematics: Kinematics, q: Array) -> Closure
     generic = partition.with_ranks_of(judged)
     problem = replace(problem, partition=generic)
     regular = (
-        q
-        for q, pose in zip(poses, judged, strict=True)
+        near
+        for near, pose in zip(poses, judged, strict=True)
         if pose.motion.whole.rank == generic.constraint_rank
     )
     reach = _farthest(problem, islice(regular, _ENOUGH))

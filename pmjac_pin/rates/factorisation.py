@@ -9,7 +9,7 @@ import numpy as np
 
 from pmjac_pin.values.arrays import Array, norm, read_only
 from pmjac_pin.values.found_once import found_once
-from pmjac_pin.values.lapack import inverse_triangle, inverted, least_squares
+from pmjac_pin.values.lapack import MANY_COLUMNS, inverse_triangle, inverted, least_squares
 
 #: A singular value below this times the size of [K K*] counts as zero. Loops closed to 1e-12
 #: of the length cannot tell a pose from a singular one nearer than √1e-12: at a fold the residual
@@ -21,9 +21,6 @@ REFINED = 1e-2
 _SURELY = 1.0 - 1e-3  # of a bound that rounding may have moved
 _RESOLVED = 1e-9  # of the matrix: above, rounding moves an inverse by less than that
 _SQUARED = 1e-3  # of the matrix: above, its normal equations are solved to rounding
-#: Columns from which singular values take several times as long as QR, and more where OpenBLAS
-#: shares them among threads. Of fewer, all takes microseconds.
-_COLUMNS_FOR_QR = 40
 
 
 class Factorisation:
@@ -133,7 +130,7 @@ class Factorisation:
     def solve(self, b: Array, rank: int | None = None) -> Array:
         """Return the smallest least-squares solution x of A x = b, by the first `rank` values."""
         r = self.rank if rank is None else rank
-        if self._inverse is not None and r == len(self._inverse):
+        if r == self.matrix.shape[1] and self._inverse is not None:
             solution: Array = self._inverse.dot(b)
             return solution
         left, values, right = self._svd
@@ -142,7 +139,7 @@ class Factorisation:
 
     def inverse(self, rank: int) -> Array:
         """Return the pseudoinverse by the first `rank` singular values, shape (k, p)."""
-        if self._inverse is not None and rank == len(self._inverse):
+        if rank == self.matrix.shape[1] and self._inverse is not None:
             return self._inverse
         left, values, right = self._svd
         inverse: Array = (right[:rank].T / values[:rank]).dot(left[:, :rank].T)
@@ -168,7 +165,7 @@ def factorise(matrix: Array, size: float, tolerance: float = RANK_TOLERANCE) -> 
         )
         if found is not None:
             return Factorisation(matrix, size, tolerance, *found)
-        if rows > columns >= _COLUMNS_FOR_QR:
+        if rows > columns >= MANY_COLUMNS:
             bound = _bound_by_reflections(matrix)
             if bound > max(tolerance, _RESOLVED) * largest:
                 return Factorisation(matrix, size, tolerance, None, bound)

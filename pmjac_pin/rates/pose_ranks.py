@@ -33,7 +33,7 @@ class PoseRanks:
         """The ranks of [K K*], of K* and of the tool's motion."""
         return self.motion.whole.rank, self.passive.rank, self.motion.seen_rank()
 
-    def unfelt(self, passive: Index) -> int:
-        """Return how many motions of the passive columns move no motor and no judged row."""
+    def unfelt(self, columns: Index) -> int:
+        """Return how many motions of these passive columns move no motor and no judged row."""
         free = self.passive.null_space
-        return int(free.shape[1]) - self.motion.tool.felt_rank(free, passive)
+        return int(free.shape[1]) - self.motion.tool.felt_rank(free, columns)

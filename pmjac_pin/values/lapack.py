@@ -9,6 +9,10 @@ import numpy as np
 
 from pmjac_pin.values.arrays import Array, read_only
 
+#: From so many on, singular values take several times as long as QR, and more where OpenBLAS shares
+#: them among threads. Of fewer, all takes microseconds.
+MANY_COLUMNS = 40
+
 
 def solved(matrix: Array, right: Array) -> Array | None:
     """Return x with A x = b, A square, or None where elimination meets a zero.
