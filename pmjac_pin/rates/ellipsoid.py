@@ -92,11 +92,18 @@ class Ellipsoid(ReadOnlyArrays, Shown):
             raise ArgumentError(
                 f"axes must be orthonormal columns with determinant +1; got {axes.tolist()}"
             )
-        if not isinstance(self.unit, str):
-            raise ArgumentError(f'unit must be a string, such as "m/s"; got {quoted(self.unit)}')
-        if not isinstance(self.motor_unit, str):
-            raise ArgumentError(f"motor_unit must be a string; got {quoted(self.motor_unit)}")
+        _check_unit_names(self.unit, self.motor_unit)
         self.__dict__.update(radii=radii, axes=axes)
+
+    @classmethod
+    def _of_image(cls, radii: Array, axes: Array, unit: str, motor_unit: str) -> Ellipsoid:
+        """Return that with radii and axes as they are made here, which need no looking at."""
+        _check_unit_names(unit, motor_unit)
+        radii.setflags(write=False)
+        axes.setflags(write=False)
+        made: Ellipsoid = object.__new__(cls)
+        made.__dict__.update(radii=radii, axes=axes, unit=unit, motor_unit=motor_unit)
+        return made
 
     def __repr__(self) -> str:
         counted = f", motors in {self.motor_unit}" if self.motor_unit else ""
@@ -231,7 +238,8 @@ def velocity_ellipsoid(
     Raises
     ------
     ArgumentError
-        If `jacobian` is not a real, finite 3 × n array, or `rounding` no number ≥ 0.
+        If `jacobian` is not a real, finite 3 × n array, or its radii are beyond all doubles, or
+        `rounding` no number ≥ 0.
 
     Examples
     --------
@@ -240,7 +248,7 @@ def velocity_ellipsoid(
     >>> velocity_ellipsoid([[1e-17], [0.0], [0.0]], rounding=1e-12)
     Ellipsoid(radii=[0 0 0] m/s, rank=0)
     """
-    return Ellipsoid(*_principal(jacobian, rounding), unit, motor_unit)
+    return Ellipsoid._of_image(*_principal(jacobian, rounding), unit, motor_unit)
 
 
 def force_ellipsoid(
@@ -266,14 +274,22 @@ def force_ellipsoid(
     Raises
     ------
     ArgumentError
-        If `jacobian` is not a real, finite 3 × n array, or `rounding` no number ≥ 0.
+        If `jacobian` is not a real, finite 3 × n array, or its radii are beyond all doubles, or
+        `rounding` no number ≥ 0.
 
     Examples
     --------
     >>> force_ellipsoid([[4.0, 0.0], [0.0, 0.5], [0.0, 0.0]])
     Ellipsoid(radii=[inf 2 0.25] N, rank=3)
     """
-    return Ellipsoid(*polar(*_principal(jacobian, rounding)), unit, motor_unit)
+    return Ellipsoid._of_image(*polar(*_principal(jacobian, rounding)), unit, motor_unit)
+
+
+def _check_unit_names(unit: str, motor_unit: str) -> None:
+    if not isinstance(unit, str):
+        raise ArgumentError(f'unit must be a string, such as "m/s"; got {quoted(unit)}')
+    if not isinstance(motor_unit, str):
+        raise ArgumentError(f"motor_unit must be a string; got {quoted(motor_unit)}")
 
 
 def _principal(jacobian: ArrayLike, rounding: float) -> tuple[Array, Array]:
@@ -283,6 +299,11 @@ def _principal(jacobian: ArrayLike, rounding: float) -> tuple[Array, Array]:
         raise ArgumentError(f"rounding must be a number ≥ 0, got {quoted(rounding)}")
     radii, axes = image_of_ball(block)
     values: list[float] = radii.tolist()
+    if not values[0] < math.inf:
+        largest = float(np.abs(block).max())
+        raise ArgumentError(
+            f"the Jacobian block's radii must be finite; its largest entry is {largest:.3g}"
+        )
     nothing = max(FLATNESS_TOLERANCE * values[0], rounding)
     flat = np.array([radius if radius > nothing else 0.0 for radius in values])
     return flat, settled_axes(flat, axes)
