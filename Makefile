@@ -13,7 +13,7 @@ test: .venv/ready
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 -m "not slow"
 
 slow: .venv/ready
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[adapters,peers,release]'
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[adapters,compiled,peers,release]'
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 --dist loadfile -m slow --durations=8
 
 # Ten thousand targets of each mechanism, many at once and one by one: takes hours.

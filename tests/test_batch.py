@@ -386,3 +386,42 @@ def test_what_is_learnt_of_one_guess_is_not_taken_for_another(rng):
         expected = [mechanism.close(one, guess=guess).q for one in values]
         np.testing.assert_allclose(found.q, expected, atol=1e-10)
     assert np.abs(other.q - home.q).max() > 0.1
+
+
+def geared_crank(ratio):
+    """A crank that turns fully, geared to its motor; all joints turn for ever."""
+    model, still = pin.Model(), pin.SE3.Identity()
+
+    def along(x):
+        return pin.SE3(np.eye(3), np.array([x, 0.0, 0.0]))
+
+    model.addJoint(0, pin.JointModelRUBZ(), along(-2.0), "motor")
+    crank = model.addJoint(0, pin.JointModelRUBZ(), still, "crank")
+    coupler = model.addJoint(crank, pin.JointModelRUBZ(), along(1.0), "coupler")
+    rocker = model.addJoint(0, pin.JointModelRUBZ(), along(4.0), "rocker")
+    model.addFrame(pin.Frame("tip", coupler, along(3.0), pin.FrameType.OP_FRAME))
+    model.addFrame(pin.Frame("end", rocker, along(3.5), pin.FrameType.OP_FRAME))
+    gear = pj.JointLoop(joints=("motor", "crank"), ratio=ratio)
+    loops, home = [pj.PointLoop(frames=("tip", "end")), gear], {"crank": 0.9, "rocker": 1.8}
+    home["motor"] = 0.9 / ratio
+    return pj.Mechanism.from_pinocchio(model, loops, ["motor"], "tip", home=home, name="geared")
+
+
+@pytest.mark.parametrize("ratio", [-2.0, 1.0, 3.0, -5.0])
+def test_a_gear_between_endless_joints_counts_their_turns(ratio, rng):
+    """To seven turns of the crank; the program leaves none of them to the single call."""
+    many, mechanism = pj.batch(geared_crank(ratio)), unrecorded(geared_crank(ratio))
+    values = np.append(rng.uniform(-9.0, 9.0, 14), [-9.0, 9.0])[:, None]
+    poses = many.close(values, enforce_limits=False)
+    assert (poses.status == pj.Status.CLOSED).all()
+    start = np.tile(mechanism.home.q, (len(values), 1))
+    ends = np.empty_like(start), np.empty(len(values))
+    assert many._closing.together(start, values, ends).settled.all()
+    for joint, turns in (("motor", values[:, 0]), ("crank", ratio * values[:, 0])):
+        index = mechanism.model.joints[mechanism.model.getJointId(joint)].idx_q
+        expected = np.column_stack([np.cos(turns), np.sin(turns)])
+        np.testing.assert_allclose(poses.q[:, index : index + 2], expected, atol=1e-12)
+    for value, q, J_eq in zip(values, poses.q, many.jacobian(poses.q).J_eq, strict=True):
+        pose = mechanism.close(value, enforce_limits=False)
+        np.testing.assert_allclose(q, pose.q, atol=1e-10)
+        np.testing.assert_allclose(J_eq, pose.jacobian().J_eq, atol=1e-10)

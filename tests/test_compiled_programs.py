@@ -11,13 +11,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 from humanoid import humanoid
-from mechanisms import CATALOGUE, loaded
+from mechanisms import CATALOGUE, loaded, mostly_slow
 from test_batch import targets
 from test_tape_kernel import everything
 
 import pmjac_pin as pj
 from pmjac_pin.algebra import compiled_programs
-from pmjac_pin.algebra.compiled_programs import CompiledProgram
+from pmjac_pin.algebra.compiled_programs import CompiledProgram, CompiledPrograms
+from pmjac_pin.algebra.compiled_text import compiled_text
 from pmjac_pin.algebra.tape_runner import run, tape_kernel
 from pmjac_pin.closing.path_kernel import many_paths_kernel
 
@@ -203,7 +204,8 @@ def test_without_a_kernel(cache, monkeypatch):
 _PROCESS = """
 import numpy as np
 from test_tape_kernel import everything
-from pmjac_pin.algebra.compiled_programs import CompiledProgram
+from pmjac_pin.algebra.compiled_programs import CompiledProgram, CompiledPrograms
+from pmjac_pin.algebra.compiled_text import compiled_text
 print(CompiledProgram.of(everything()).run(np.full((3, 70), 0.5)).sum().hex())
 """
 
@@ -223,3 +225,20 @@ def test_several_processes_at_once(cache):
     assert [process.returncode for process in started] == [0, 0, 0]
     assert len(told) == 1
     assert len(built(cache)) == 1
+
+
+STRICT = ("cc", "-std=c99", "-Wall", "-Wextra", "-Werror", "-fsyntax-only", "-x", "c", "-")
+
+
+@pytest.mark.parametrize("name", mostly_slow(CATALOGUE))
+def test_texts_are_c99_without_a_warning(name, monkeypatch):
+    tapes = [everything()]
+    monkeypatch.setattr(CompiledPrograms, "of", lambda _, tape: tapes.append(tape))
+    mechanism = loaded(name)
+    pj.batch(mechanism, compiled=True).jacobian(mechanism.home.q[None])
+    assert len(tapes) == 5  # three of a path, one of rates
+    for tape in tapes:
+        told = subprocess.run(
+            STRICT, input=compiled_text(tape), capture_output=True, text=True, check=False
+        )
+        assert (told.returncode, told.stderr) == (0, "")

@@ -74,6 +74,22 @@ def test_each_adapter_has_an_extra():
         assert re.fullmatch(r"[\w-]+>=\d+(\.\d+)+", EXTRAS[name][0])
 
 
+@pytest.mark.parametrize("name", ["dask", "ray"])
+def test_each_cluster_has_an_extra_with_what_sweeps_need(name):
+    library, *others = EXTRAS[name]
+    assert others == ["pmjac_pin[sweep]"]
+    assert re.fullmatch(r"[\w-]+>=\d+(\.\d+)+", library)
+
+
+def test_each_extra_that_somebody_is_told_of_is_there():
+    places = [*(ROOT / "pmjac_pin").rglob("*.py"), *(ROOT / "docs").glob("*.md")]
+    text = "".join(path.read_text(encoding="utf-8") for path in places)
+    told = {
+        name for some in re.findall(r"pmjac_pin\[([a-z,]+)\]", text) for name in some.split(",")
+    }
+    assert {"compiled", "dask", "ray", *OPTIONAL} <= told <= set(EXTRAS)
+
+
 def test_each_requirement_states_its_lowest_version():
     for requirement in REQUIREMENTS:
         assert re.fullmatch(r"[\w-]+>=\d+(\.\d+)+", requirement), requirement

@@ -90,6 +90,7 @@ def test_in_c(name, rng, tmp_path):
         check(function(configuration.q), configuration)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", DIFFERENT)
 def test_in_jax(name, rng):
     jax = pytest.importorskip("jax")

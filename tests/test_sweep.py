@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import io
 import multiprocessing
 import os
 import signal
@@ -13,6 +14,7 @@ import numpy as np
 import pytest
 import xarray
 from mechanisms import loaded
+from rich.progress import Progress
 from swept_for_kill import PRELOADED, go_on, swept_for_kill
 
 import pmjac_pin as pj
@@ -322,6 +324,30 @@ def test_the_command(tmp_path, capsys):
     found = xarray.open_zarr(tmp_path / "map.zarr", consolidated=False, chunks=None)
     np.testing.assert_allclose(found.l1, [0.9, 1.0, 1.1])
     assert found.q.shape == (3, 2, loaded("three_rps").nq)
+
+
+@pytest.mark.parametrize("watched", [True, False])
+def test_the_command_shows_a_bar_of_chunks_to_who_watches(tmp_path, monkeypatch, watched):
+    stderr = io.StringIO()
+    stderr.isatty = lambda: watched
+    monkeypatch.setattr(sys, "stderr", stderr)
+    monkeypatch.setenv("TERM", "xterm")
+    seen, update = [], Progress.update
+
+    def seen_too(bar, task, *, completed, total):
+        seen.append((completed, total))
+        update(bar, task, completed=completed, total=total)
+
+    monkeypatch.setattr(Progress, "update", seen_too)
+    path = tmp_path / "map.toml"
+    path.write_text(FILE.replace("[over]", "chunk = 2\n[over]"))
+    assert main(["sweep", str(path), "--workers", "1"]) == 0
+    last = seen[-1][1]
+    assert seen == [(done, last) for done in range(1, last + 1)]
+    assert last > 2
+    shown = stderr.getvalue()
+    assert ("chunks" in shown, "100%" in shown) == (watched, watched)
+    assert bool(shown) == watched
 
 
 @pytest.mark.parametrize(

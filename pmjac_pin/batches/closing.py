@@ -21,6 +21,8 @@ from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.limits import beyond_limits
 from pmjac_pin.values.arrays import Array, Mask
 
+_CLOSED = int(Status.CLOSED)  # NumPy asks a Status itself for its number, each time
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Closing:
@@ -98,7 +100,7 @@ class Closing:
         walked = self.together(
             start, values, ends, go_on=on, most_steps=most_steps, following=following
         )
-        status.fill(Status.CLOSED)
+        status.fill(_CLOSED)
         if not (walked.all_arrived or (share == 1.0).all()):
             self._settle(piece, paths, walked.settled, found, most_steps)
         self._keep_to_limits(whose, values, q, status)

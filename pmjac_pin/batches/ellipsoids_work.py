@@ -14,6 +14,8 @@ from pmjac_pin.batches.results import Status, Statuses
 from pmjac_pin.rates.many_radii import fill_radii
 from pmjac_pin.values.arrays import Array, Mask
 
+_CLOSED = int(Status.CLOSED)
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class EllipsoidsWork:
@@ -41,7 +43,7 @@ class EllipsoidsWork:
         """Fill what is left of them: all, where that was not done."""
         J_eq, status, *radii = found
         if begun.is_certain:
-            status.fill(Status.CLOSED)
+            status.fill(_CLOSED)
         elif begun.is_done:
             self._settle(begun.told(), piece, q, (J_eq, status), radii)
         else:

@@ -6,10 +6,9 @@ interrupts is not lost.
 
 from __future__ import annotations
 
-import os
 from _thread import start_new_thread
 from collections import deque
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from contextlib import suppress
 from itertools import pairwise, repeat
 from typing import Any, TypeAlias
@@ -21,10 +20,11 @@ from pmjac_pin.batches.rest import Rest, wait_for, wait_whatever_happens
 from pmjac_pin.batches.results import Status, say_nothing
 from pmjac_pin.errors import ArgumentError, Interrupted, quoted
 from pmjac_pin.values.arrays import Mask
+from pmjac_pin.values.cores import usable_cores
 
 PIECE = 5120  # poses at most: they fill the kernel's lanes, and some MB
 _BY_ONE = 3072  # poses of a small machine, done as soon as another thread would have begun
-_LANES = 16
+_LANES, _NOT_DONE = 16, int(Status.NOT_DONE)
 Progress: TypeAlias = Callable[[int, int], object]
 
 
@@ -96,15 +96,14 @@ class Filling:
         Of the threads besides the caller's.
     """
 
-    def __init__(self, found: Sequence[NDArray[Any]], work: PieceWork) -> None:
+    def __init__(self, found: list[NDArray[Any]], work: PieceWork) -> None:
         self.count, self._found, self._work = len(found[0]), found, work
-        self._statuses = [k for k, array in enumerate(found) if array.dtype == np.int8]
+        self._statuses = [k for k, array in enumerate(found) if array.itemsize == 1]
         for k in self._statuses:
-            found[k].fill(Status.NOT_DONE)
+            found[k].fill(_NOT_DONE)
         self._left = {piece.start: piece for piece in pieces_of(self.count)}
-        self._waiting = deque(self._left)
+        self._waiting: deque[int] = deque()
         self._ended: deque[int] = deque()
-        self._failed: dict[int, Exception] = {}
         self.given_up = False
         self.helpers: list[Rest] = []
 
@@ -118,13 +117,15 @@ class Filling:
     def _fill_at_once(self, progress: Progress | None) -> None:
         """Fill what is one piece: of so few poses each microsecond counts."""
         (whole,) = self._left.values()
-        self._do(Piece(whole, self), list(self._found))
+        self._do(Piece(whole, self), self._found)
         self._left.clear()
         if progress is not None:
             progress(self.count, self.count)
 
     def _fill_by_threads(self, threads: int, progress: Progress | None) -> None:
         told = _Told(progress, self.count, self._ended)
+        self._failed: dict[int, Exception] = {}
+        self._waiting.extend(self._left)
         self.helpers.extend(Rest() for _ in range(min(threads, len(self._left)) - 1))
         begun: list[int] = []
         try:
@@ -198,12 +199,12 @@ class Filling:
 
         So whenever somebody interrupts, and however often: what is not done says so.
         """
-        shown = [found[k] for k in self._statuses]
+        told = found.copy()
         for k in self._statuses:
-            found[k] = np.empty(len(found[k]), np.int8)
-        self._work(piece, *found)
-        for k, status in zip(self._statuses, shown, strict=True):
-            status[:] = found[k]
+            told[k] = np.empty(found[k].shape, np.int8)
+        self._work(piece, *told)
+        for k in self._statuses:
+            found[k][:] = told[k]
 
 
 class _Told:
@@ -232,8 +233,7 @@ def interrupted(what: str, done: object) -> Interrupted:
 def thread_count(given: int | None) -> int:
     """Return how many threads: all cores that this process may use, unless told."""
     if given is None:
-        allowed = getattr(os, "sched_getaffinity", None)  # not on every system
-        return len(allowed(0)) if allowed else os.cpu_count() or 1
+        return usable_cores()
     if isinstance(given, bool) or not isinstance(given, int) or given < 1:
         raise ArgumentError(f"threads must be a whole number ≥ 1 or None, got {quoted(given)}")
     return given

@@ -22,7 +22,7 @@ def sweep_command(
     *,
     resume: Annotated[bool, Parameter(help="Go on with what is in its `out` already.")] = False,
     workers: Annotated[
-        int | None, Parameter(help="How many processes; by default one a processor.")
+        int | None, Parameter(help="How many processes; by default one a core.")
     ] = None,
 ) -> Output:
     """Close a mechanism at many values and keep what was measured in a zarr folder."""

@@ -8,15 +8,14 @@ from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import BrokenExecutor, ProcessPoolExecutor, ThreadPoolExecutor
 from dataclasses import dataclass
-from functools import cache, partial
-from typing import Any, TypeAlias, TypeVar
+from typing import Any, TypeVar
 
 from pmjac_pin.batches.pieces import Progress
-from pmjac_pin.errors import ArgumentError, PmjacError, WorkerError, quoted
-from pmjac_pin.values.checks import check_callable
+from pmjac_pin.errors import WorkerError
+from pmjac_pin.studies.sweep.clients import Client, Later, Submit
+from pmjac_pin.values.checks import as_count, check_callable
+from pmjac_pin.values.cores import usable_cores
 
-#: (function, *arguments) ↦ what has a `result()`.
-Submit: TypeAlias = Callable[..., Any]
 T = TypeVar("T")
 
 _WAITING = 3  # chunks a worker that are handed out and not yet taken back
@@ -32,7 +31,7 @@ class Hands:
         None for processes of this machine; anything with a ``submit``, as Dask's ``Client`` and
         the executors of ``concurrent.futures``; the module ``ray``.
     workers : int
-        How many processes; 1 for this one.
+        How many jobs are done at once; 1 without a client for this process.
     progress : callable, optional
         (chunks done, chunks) ↦ anything.
     """
@@ -43,6 +42,21 @@ class Hands:
 
     def __post_init__(self) -> None:
         check_callable(self.progress, "progress")
+
+    @classmethod
+    def asked(cls, client: Any, workers: int | None, jobs: int, progress: Progress | None) -> Hands:
+        """Return those of whom a caller speaks; they are asked how many they are, if he does not.
+
+        Raises
+        ------
+        ArgumentError
+        """
+        given = None if client is None else Client.of(client)
+        if workers is not None:
+            count = as_count(workers, "`workers`")
+        else:
+            count = usable_cores() if given is None else given.workers
+        return cls(client, min(count, jobs), progress)
 
     @property
     def elsewhere(self) -> bool:
@@ -71,9 +85,9 @@ class Hands:
     @contextlib.contextmanager
     def _submit(self) -> Iterator[Submit]:
         if self.client is not None:
-            yield _submit_of(self.client)
+            yield Client.of(self.client).submit
         elif self.workers == 1:
-            yield _Here
+            yield Later
         else:
             # A copy of this process would have its threads' locks, and nobody to open them.
             context = multiprocessing.get_context("spawn")
@@ -95,42 +109,3 @@ def _told_of_workers() -> Iterator[None]:
             'not ask `if __name__ == "__main__":`; what is done is in `out`, where one is given, '
             "and `resume` goes on from there"
         ) from error
-
-
-class _Here:
-    """A result that is computed when it is asked for."""
-
-    def __init__(self, function: Callable[..., Any], *arguments: Any) -> None:
-        self._function, self._arguments = function, arguments
-
-    def result(self) -> Any:
-        return self._function(*self._arguments)
-
-
-class _Ray:
-    """Hands out to Ray."""
-
-    def __init__(self, ray: Any) -> None:
-        self._get, self._remote = ray.get, cache(ray.remote)
-
-    def __call__(self, function: Callable[..., Any], *arguments: Any) -> Any:
-        return _Here(self._result, self._remote(function).remote(*arguments))
-
-    def _result(self, task: Any) -> Any:
-        try:
-            return self._get(task)
-        except PmjacError as error:  # Ray's child of it, with what it says in a traceback
-            raise getattr(error, "cause", error) from error
-
-
-def _submit_of(client: Any) -> Submit:
-    if type(client).__module__.partition(".")[0] == "distributed":
-        # What was computed once would be taken for what is to be written now.
-        return partial(client.submit, pure=False)
-    if callable(submit := getattr(client, "submit", None)):
-        return submit  # type: ignore[no-any-return]
-    if getattr(client, "__name__", "") == "ray":
-        return _Ray(client)
-    raise ArgumentError(
-        f"`client` is Dask's Client, an executor or the module ray, got {quoted(client)}"
-    )

@@ -78,8 +78,10 @@ def sweep(
     chunk : int
         The largest number of poses that are computed at once, by one worker.
     workers : int, optional
-        How many processes; by default as many as there are processors. 1 for this one alone.
-        A script that starts others has to ask for ``__name__ == "__main__"``.
+        How many processes; by default as many as there are cores that this one may use. 1 for this
+        one alone. A script that starts others has to ask for ``__name__ == "__main__"``.
+        Of a client, how many chunks it computes at once, by default as many as it says: it is
+        handed three times as many, and more as these are done.
     client : optional
         Dask's ``Client``, an executor of ``concurrent.futures``, or the module ``ray``, to hand
         the chunks to; all of its workers have to see `out`.
@@ -124,10 +126,8 @@ def sweep(
     points = points_asked(machine, over, samples)
     work = question(machine, points, measures, guess, enforce_limits)
     shape = points.chunk(as_count(chunk, "`chunk`"))
-    regions, processes = points.regions(shape), os.cpu_count() or 1
-    if workers is not None:
-        processes = as_count(workers, "`workers`")
-    hands = Hands(client, min(processes, len(regions)), progress)
+    regions = points.regions(shape)
+    hands = Hands.asked(client, workers, len(regions), progress)
     if hands.elsewhere:
         for one in work.own:
             one.contents  # noqa: B018 - says what cannot be sent, before any work
