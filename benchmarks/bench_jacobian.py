@@ -1,4 +1,4 @@
-"""One J_eq and one direct kinematics, beside the same written out by hand, in the same run.
+"""One J_eq, its ellipsoid and one direct kinematics, beside the same by hand, in the same run.
 
 Once by the recorded program that the kernel runs, and once without it, as before it is recorded
 and where no kernel was built. Ratios of medians are what counts: all are timed in turn.
@@ -55,12 +55,21 @@ def compare(name: str) -> list[tuple[str, list[float]]]:
         lambda: fast.configuration(q).jacobian(),
         lambda: slow.configuration(q).jacobian(),
     )
+    ellipsoids = microseconds(
+        lambda: np.linalg.svd(hand.jacobian(q)[0][:3]),
+        lambda: fast.configuration(q).jacobian().velocity_ellipsoid(),
+        lambda: slow.configuration(q).jacobian().velocity_ellipsoid(),
+    )
     closes = microseconds(
         lambda: hand.close(q, target),
         lambda: fast.close(target, starts[0]),
         lambda: slow.close(target, starts[1]),
     )
-    return [("configuration(q).jacobian()", jacobians), (f"close(), {DISTANCE} away", closes)]
+    return [
+        ("configuration(q).jacobian()", jacobians),
+        ("….velocity_ellipsoid()", ellipsoids),
+        (f"close(), {DISTANCE} away", closes),
+    ]
 
 
 def main() -> int:

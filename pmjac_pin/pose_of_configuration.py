@@ -57,6 +57,14 @@ class PoseOfConfiguration(NamedTuple):
                 opened[at] += self._rounded_places(loop.frames) * partition.length / size
         return opened
 
+    def sizes(self) -> Array | None:
+        """Return `TwistMap.sizes` of J_eq there, None where no program has told them."""
+        configuration = self.configuration
+        home = configuration._parts.problem
+        if configuration._known is None or configuration.problem is not home:
+            return None
+        return configuration.mechanism.recorded.sizes(configuration.q, self.frame)
+
     def places(self) -> float:
         """Return what rounding of places moves the tool by, m."""
         parts = self.configuration.mechanism._parts

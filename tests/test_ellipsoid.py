@@ -215,6 +215,27 @@ def test_radii_up_to_a_known_rounding_are_zero(rng):
         assert np.isinf(force.radii).tolist() == [True] * (3 - rank) + [False] * rank
 
 
+@pytest.mark.parametrize("build", BUILD)
+def test_radii_that_overflow_are_refused(build):
+    J = 1.5e308 * np.array([[1.0, 1.0], [1.0, 1.0], [0.0, 0.0]])
+    wanted = "the Jacobian block's radii must be finite; its largest entry is 1.5e+308"
+    assert refusal(build, J) == wanted
+    assert velocity_ellipsoid(1e-8 * J).rank == 1
+
+
+@pytest.mark.parametrize("build", BUILD)
+def test_what_is_built_keeps_the_rules_of_what_is_given(rng, build):
+    for J in blocks(rng):
+        made = build(J, "unit", 0.0, "motors")
+        given = Ellipsoid(made.radii, made.axes, made.unit, made.motor_unit)
+        for name in ("radii", "axes"):
+            assert not getattr(made, name).flags.writeable
+            np.testing.assert_array_equal(getattr(made, name), getattr(given, name))
+        assert repr(made) == repr(given)
+    assert refusal(build, np.eye(3), unit=1) == 'unit must be a string, such as "m/s"; got 1'
+    assert refusal(build, np.eye(3), motor_unit=1) == "motor_unit must be a string; got 1"
+
+
 @pytest.mark.parametrize("rounding", [-1.0, math.nan, "much"])
 @pytest.mark.parametrize("build", BUILD)
 def test_what_is_no_rounding_is_refused(build, rounding):

@@ -10,6 +10,7 @@ from draw_architecture import PACKAGE
 REVEALING = {
     *("svd", "svdvals", "matrix_rank", "qr", "lstsq", "pinv", "pinvh", "null_space", "orth"),
     *("cond", "eig", "eigh", "eigvals", "eigvalsh", "lu", "ldl", "gelsd", "gesvd", "geqp3"),
+    *("dgelsd", "dgelsy", "dgesdd", "dgesvd", "dgeqp3"),
 }
 #: Where something else is asked than a rank, and what.
 OTHERWISE = {
@@ -25,7 +26,7 @@ OTHERWISE = {
     "studies/transmissions/fitted_polynomial.py": {"lstsq"},  # a guess for Newton's steps
     "studies/transmissions/newton_program.py": {"svd"},  # condition of gear ratios, n × n
     "rates/singularity.py": {"qr"},  # the same
-    "rates/ellipse.py": {"svd"},  # the axes of an ellipsoid; flat by a tolerance of its own
+    "rates/ellipse.py": {"dgesdd"},  # the axes of an ellipsoid; flat by a tolerance of its own
     "rates/ellipsoid.py": {"svd"},  # what is across one vector
     "rates/tool_motion.py": {"qr"},  # unit vectors along motions that are independent
     "algebra/singular_values.py": {"svd"},  # those that are shown, of many poses
@@ -57,6 +58,8 @@ def of_linear_algebra(path):
             case ast.ImportFrom(module=str(module), names=names) if "linalg" in module.split("."):
                 yield from (name.name for name in names)
             case ast.Attribute(value=ast.Attribute(attr="linalg") | ast.Name(id="linalg")):
+                yield node.attr
+            case ast.Attribute(value=ast.Call(func=ast.Name(id="lapack"))):
                 yield node.attr
 
 

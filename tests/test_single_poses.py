@@ -10,7 +10,7 @@ import threading
 import numpy as np
 import pinocchio as pin
 import pytest
-from mechanisms import CATALOGUE, SAMPLE, loaded, mostly_slow
+from mechanisms import CATALOGUE, SAMPLE, loaded, mostly_slow, random_closed
 from random_machines import random_machine
 from recording import recorded, unrecorded
 
@@ -124,6 +124,85 @@ def test_jacobians_are_those_by_singular_values(name, rng):
             )
             assert (np.abs(found.J_eq - expected.J_eq) <= expected.error_estimate).all()
     assert known >= 0.5 * regular
+
+
+def assert_same_ellipsoids(found, expected, atol):
+    """Radii of velocities and forces, and which of them are none."""
+    for kind in ("velocity_ellipsoid", "angular_ellipsoid", "force_ellipsoid"):
+        one, other = (getattr(jacobian, kind)() for jacobian in (found, expected))
+        assert (one.unit, one.motor_unit) == (other.unit, other.motor_unit)
+        assert (one.radii == 0.0).tolist() == (other.radii == 0.0).tolist()
+        assert np.isinf(one.radii).tolist() == np.isinf(other.radii).tolist()
+        if kind != "force_ellipsoid":
+            np.testing.assert_allclose(one.radii, other.radii, atol=atol)
+            shape, like = (e.axes * e.radii**2 @ e.axes.T for e in (one, other))
+            np.testing.assert_allclose(shape, like, atol=4.0 * atol * max(1.0, other.radii[0]))
+
+
+def flat_machines():
+    """Tools that never turn, or never move, or move in fewer ways than motors."""
+    yield "agile_eye", {"front": 0.0}
+    for name in ("bennett", "delta", "delta_rods", "four_bar", "sarrus", "serial_2r"):
+        yield name, {}
+
+
+def assert_ellipsoids_agree(mechanism, by_values, poses):
+    """With a program, and without; return of how many poses the program told."""
+    known = 0
+    for q in poses:
+        one, other = mechanism.configuration(q), by_values.configuration(q)
+        known += one._known is not None
+        for frame in ("LOCAL_WORLD_ALIGNED", "LOCAL", "WORLD"):
+            found, expected = one.jacobian(frame), other.jacobian(frame)
+            atol = 1e-14 * other.singularity().condition * expected.sizes.max()
+            assert_same_ellipsoids(found, expected, atol)
+            np.testing.assert_allclose(found.sizes, expected.sizes, rtol=1e-9)
+            told = one._known is not None and frame != "WORLD"
+            assert ("_found" in vars(found)) != told  # Pinocchio's matrices
+    return known
+
+
+@pytest.mark.parametrize("name", mostly_slow(MACHINES, {*SAMPLE, "random 4"}))
+def test_ellipsoids_are_those_by_singular_values(name, rng):
+    mechanism, by_values = recorded(machine(name)), unrecorded(machine(name))
+    near = targets(by_values, 8, 0.03, rng)
+    poses = [answer(lambda v=v: by_values.close(v, enforce_limits=False)) for v in near]
+    nearness = {
+        tuple(pose.q): pose.singularity().smallest
+        for pose in poses
+        if isinstance(pose, pj.Configuration)
+        and isinstance(answer(pose.jacobian), pj.EquivalentJacobian)
+    }
+    known = assert_ellipsoids_agree(mechanism, by_values, [np.array(q) for q in nearness])
+    regular = sum(smallest > 0.03 for smallest in nearness.values())
+    assert known >= (regular if mechanism.recorded._pose() is not None else 0)
+
+
+@pytest.mark.parametrize(("name", "dimensions"), list(flat_machines()))
+def test_what_the_tool_cannot_do_is_zero_by_the_program_too(name, dimensions, rng):
+    mechanism, by_values = (programs(pj.load(name, dimensions)) for programs in PROGRAMS)
+    found = random_closed(by_values, rng, 4, spread=0.1)
+    poses = [by_values.home.q, *(pose.q for pose in found)]
+    assert assert_ellipsoids_agree(mechanism, by_values, poses) == len(poses)
+
+
+@pytest.mark.parametrize("angle", [0.0, 1e-12, 1e-8, 1e-6, 1e-3])
+def test_links_in_line_have_the_rank_that_they_have_by_singular_values(angle):
+    mechanism, by_values = (programs(loaded("serial_2r")) for programs in PROGRAMS)
+    poses = [np.array([first, angle]) for first in (0.0, 0.3, 2.0)]
+    assert assert_ellipsoids_agree(mechanism, by_values, poses) == 3
+    jacobian = mechanism.configuration(poses[1]).jacobian()
+    assert jacobian.velocity_ellipsoid().rank == (2 if angle >= 1e-8 else 1)
+
+
+def test_shares_of_limits_are_those_by_singular_values():
+    mechanism, by_values = (programs(loaded("three_rps")) for programs in PROGRAMS)
+    q, limits = by_values.home.q, [0.1, 2.0, 30.0]
+    found, expected = (one.configuration(q).jacobian() for one in (mechanism, by_values))
+    for kind in ("velocity_ellipsoid", "angular_ellipsoid", "force_ellipsoid"):
+        one, other = (getattr(jacobian, kind)(limits) for jacobian in (found, expected))
+        assert one.rank == other.rank
+        np.testing.assert_allclose(one.radii, other.radii, rtol=1e-9)
 
 
 def test_what_is_not_certain_is_said_by_singular_values():

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import ctypes
 import struct
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pinocchio as pin
@@ -47,7 +47,10 @@ class KnownPose:
         J_eq = numbers[:count].reshape(6, -1)
         if frame == "LOCAL_WORLD_ALIGNED":
             return J_eq
-        position, rotation = numbers[count : count + 3], numbers[count + 3 :].reshape(3, 3)
+        position, rotation = (
+            numbers[count : count + 3],
+            numbers[count + 3 : count + 12].reshape(3, 3),
+        )
         return read_only(change_frame(J_eq, frame, rotation, position))
 
 
@@ -64,13 +67,14 @@ class OnePose:
     model : pin.Model
     """
 
-    __slots__ = ("_bounds", "_closed", "_model", "_motors", "_run", "_thread")
+    __slots__ = ("_bounds", "_closed", "_model", "_motors", "_run", "_thread", "_whole")
 
     def __init__(
         self, library: ctypes.PyDLL, tape: Tape, problem: ClosureProblem, model: pin.Model
     ) -> None:
         partition = problem.partition
         self._run, self._thread = library.pmjac_run_once, ThreadMemory(tape)
+        self._whole = ThreadMemory(replace(tape, stages=()))
         self._model = model if model.nq > model.nv else None  # else nothing has unit length
         self._motors, self._closed = partition.actuated.size, SURELY * problem.tolerance
         # Nearer to singular, rates are refined, which the program does not do.
@@ -88,3 +92,15 @@ class OnePose:
         certain = gap <= self._closed and self._bounds.regular(inverse, size)
         certain = certain and spread > SPREAD and self._bounds.follows(forbidden, size)
         return KnownPose(gap, told, self._motors) if certain else None
+
+    def sizes(self, q: Array, frame: FrameName) -> Array | None:
+        """Return `TwistMap.sizes` at a q that is known, shape (2,), read-only.
+
+        None of twists of another point than the tool's; turned axes change no norm.
+        """
+        if frame == "WORLD":
+            return None
+        inputs, outputs, argument = self._whole.numbers
+        inputs[:] = q
+        self._run(argument)
+        return read_only(outputs[-2:])

@@ -89,6 +89,11 @@ class RecordedMechanism:
         one_pose = self._pose()
         return None if one_pose is None else one_pose.at(q)
 
+    def sizes(self, q: Array, frame: FrameName) -> Array | None:
+        """Return `TwistMap.sizes` at a q that `pose` knows, None where nothing tells them."""
+        one_pose = self._pose()
+        return None if one_pose is None else one_pose.sizes(q, frame)
+
     def slopes(self) -> RecordedSlopes | None:
         """Return what says how Jacobians change along motions, None where nothing is recorded."""
         return self._slopes()

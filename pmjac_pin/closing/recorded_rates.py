@@ -195,18 +195,20 @@ class RecordedRates:
         return self.recordings.tape(f"jacobian {frame}", self.recorder.nq, make)
 
     def pose_tape(self) -> Tape:
-        """Return q ↦ (those of `jacobian_tape`, tool (12,)).
+        """Return q ↦ (those of `jacobian_tape`, tool (12,), and in a second stage sizes (2,)).
 
-        Of the tool the position and the rotation (3, 3), as `measures_tape` has them.
+        Of the tool the position and the rotation (3, 3); sizes as of `ellipsoids_tape`: they need
+        the rates of all joints, J_eq of those alone that carry the tool.
         """
 
         def make(q: Sequence[Term]) -> list[Any]:
             kinematics = self.recorder.at(q)
             found = self.equivalent(kinematics, "LOCAL_WORLD_ALIGNED")
             tool = [*kinematics.position, *kinematics.rotation.ravel()]
-            return [*found.judged(), *tool]
+            return [*found.judged(), *tool, *found.sizes()]
 
-        return self.recordings.tape("pose", self.recorder.nq, make)
+        first = DOUBTS + 6 * self.partition.actuated.size + 12
+        return self.recordings.tape("pose", self.recorder.nq, make, (first, first + 2))
 
     def ellipsoids_tape(self) -> Tape:
         """Return q ↦ (those of `jacobian_tape`, sizes (2,)).

@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike
 
 from pmjac_pin.errors import ArgumentError, quoted
 from pmjac_pin.values.arrays import Array, ReadOnlyArrays
+from pmjac_pin.values.lapack import lapack
 from pmjac_pin.values.ties import LIKE
 
 MOST_POINTS = 5000  # of an outline, and each way of a surface: 25 million in all
@@ -96,10 +97,12 @@ def image_of_ball(A: Array) -> tuple[Array, Array]:
     The axes as the decomposition gives them: see `settled_axes`.
     """
     d, k = A.shape
-    axes, sigma, _ = np.linalg.svd(A, full_matrices=k < d)
-    radii = np.zeros(d)
-    radii[: len(sigma)] = sigma
-    return radii, axes
+    if not k:
+        return np.zeros(d), np.eye(d)
+    axes, sigma, _, failed = lapack().dgesdd(A, full_matrices=k < d)
+    if failed:
+        raise np.linalg.LinAlgError("the singular values did not converge")
+    return (sigma if k >= d else np.concatenate([sigma, np.zeros(d - k)])), axes
 
 
 def flattened(radii: Array, size: float | Array) -> Array:
@@ -134,8 +137,17 @@ def settled_axes(radii: Array, axes: Array) -> Array:
     else:
         a = _positive(a)
         b = turned_into_plane(a, _WORLD)[0] if tied[1] else _positive(b)
-    c = [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-    return np.array([a, b, c]).T
+    return np.array([a, b, vector_product(a, b)]).T
+
+
+def scalar_product(a: list[float], b: list[float]) -> float:
+    """Return a · b of three numbers each."""
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+def vector_product(a: list[float], b: list[float]) -> list[float]:
+    """Return a × b."""
+    return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 
 
 def ties(radii: Array) -> list[bool]:
@@ -157,7 +169,7 @@ def turned_into_plane(normal: list[float], axes: list[list[float]]) -> list[list
     others become d − (d·n)(n + g dᵢ)/(1 + |n·dᵢ|). As the matrix between those two and what they
     become is symmetric and positive, none of the plane's axes are nearer to them.
     """
-    likeness = [sum(map(operator.mul, normal, axis)) for axis in axes]
+    likeness = [scalar_product(normal, axis) for axis in axes]
     peak = LIKE * max(map(abs, likeness))
     nearest = max(k for k in range(3) if abs(likeness[k]) >= peak)
     side = math.copysign(1.0, likeness[nearest])

@@ -10,7 +10,6 @@ Manipulator Jacobian Matrix*; they are never computed from g, which would lose h
 from __future__ import annotations
 
 import math
-import operator
 from dataclasses import dataclass
 
 import numpy as np
@@ -26,7 +25,9 @@ from pmjac_pin.rates.ellipse import (
     image_of_ball,
     polar,
     real_array,
+    scalar_product,
     settled_axes,
+    vector_product,
 )
 from pmjac_pin.values.arrays import Array, ReadOnlyArrays
 from pmjac_pin.values.checks import LARGEST
@@ -91,11 +92,18 @@ class Ellipsoid(ReadOnlyArrays, Shown):
             raise ArgumentError(
                 f"axes must be orthonormal columns with determinant +1; got {axes.tolist()}"
             )
-        if not isinstance(self.unit, str):
-            raise ArgumentError(f'unit must be a string, such as "m/s"; got {quoted(self.unit)}')
-        if not isinstance(self.motor_unit, str):
-            raise ArgumentError(f"motor_unit must be a string; got {quoted(self.motor_unit)}")
+        _check_unit_names(self.unit, self.motor_unit)
         self.__dict__.update(radii=radii, axes=axes)
+
+    @classmethod
+    def _of_image(cls, radii: Array, axes: Array, unit: str, motor_unit: str) -> Ellipsoid:
+        """Return that with radii and axes as they are made here, which need no looking at."""
+        _check_unit_names(unit, motor_unit)
+        radii.setflags(write=False)
+        axes.setflags(write=False)
+        made: Ellipsoid = object.__new__(cls)
+        made.__dict__.update(radii=radii, axes=axes, unit=unit, motor_unit=motor_unit)
+        return made
 
     def __repr__(self) -> str:
         counted = f", motors in {self.motor_unit}" if self.motor_unit else ""
@@ -230,7 +238,8 @@ def velocity_ellipsoid(
     Raises
     ------
     ArgumentError
-        If `jacobian` is not a real, finite 3 × n array, or `rounding` no number ≥ 0.
+        If `jacobian` is not a real, finite 3 × n array, or its radii are beyond all doubles, or
+        `rounding` no number ≥ 0.
 
     Examples
     --------
@@ -239,7 +248,7 @@ def velocity_ellipsoid(
     >>> velocity_ellipsoid([[1e-17], [0.0], [0.0]], rounding=1e-12)
     Ellipsoid(radii=[0 0 0] m/s, rank=0)
     """
-    return Ellipsoid(*_principal(jacobian, rounding), unit, motor_unit)
+    return Ellipsoid._of_image(*_principal(jacobian, rounding), unit, motor_unit)
 
 
 def force_ellipsoid(
@@ -265,38 +274,49 @@ def force_ellipsoid(
     Raises
     ------
     ArgumentError
-        If `jacobian` is not a real, finite 3 × n array, or `rounding` no number ≥ 0.
+        If `jacobian` is not a real, finite 3 × n array, or its radii are beyond all doubles, or
+        `rounding` no number ≥ 0.
 
     Examples
     --------
     >>> force_ellipsoid([[4.0, 0.0], [0.0, 0.5], [0.0, 0.0]])
     Ellipsoid(radii=[inf 2 0.25] N, rank=3)
     """
-    return Ellipsoid(*polar(*_principal(jacobian, rounding)), unit, motor_unit)
+    return Ellipsoid._of_image(*polar(*_principal(jacobian, rounding)), unit, motor_unit)
+
+
+def _check_unit_names(unit: str, motor_unit: str) -> None:
+    if not isinstance(unit, str):
+        raise ArgumentError(f'unit must be a string, such as "m/s"; got {quoted(unit)}')
+    if not isinstance(motor_unit, str):
+        raise ArgumentError(f"motor_unit must be a string; got {quoted(motor_unit)}")
 
 
 def _principal(jacobian: ArrayLike, rounding: float) -> tuple[Array, Array]:
     """Return the radii of the velocities, zero where they are rounding, and the axes."""
     block = _checked_block(jacobian)
-    if not (isinstance(rounding, int | float) and 0.0 <= rounding <= LARGEST):
+    if not (isinstance(rounding, (int, float)) and 0.0 <= rounding <= LARGEST):
         raise ArgumentError(f"rounding must be a number ≥ 0, got {quoted(rounding)}")
     radii, axes = image_of_ball(block)
-    flat = flattened(radii, float(radii[0]))
-    flat = np.where(flat > rounding, flat, 0.0)
+    values: list[float] = radii.tolist()
+    if not values[0] < math.inf:
+        largest = float(np.abs(block).max())
+        raise ArgumentError(
+            f"the Jacobian block's radii must be finite; its largest entry is {largest:.3g}"
+        )
+    nothing = max(FLATNESS_TOLERANCE * values[0], rounding)
+    flat = np.array([radius if radius > nothing else 0.0 for radius in values])
     return flat, settled_axes(flat, axes)
 
 
 def _right_handed(axes: Array) -> bool:
     """On Python floats: on so few numbers they are several times faster than NumPy."""
     a, b, c = axes.T.tolist()
-    # This stops NaN, too, and numbers whose squares would overflow.
-    if not all(abs(x) < 2.0 for x in (*a, *b, *c)):
-        return False
-    lengths = [sum(map(operator.mul, one, one)) - 1.0 for one in (a, b, c)]
-    angles = [sum(map(operator.mul, *pair)) for pair in ((a, b), (b, c), (c, a))]
-    normal = (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
-    orthonormal = max(map(abs, lengths + angles)) <= _ORTHONORMAL
-    return bool(orthonormal and sum(map(operator.mul, normal, c)) > 0.0)
+    lengths = [scalar_product(one, one) - 1.0 for one in (a, b, c)]
+    angles = [scalar_product(a, b), scalar_product(b, c), scalar_product(c, a)]
+    # One by one, so that NaN is refused, too: what overflows is infinite or NaN.
+    orthonormal = all(-_ORTHONORMAL <= x <= _ORTHONORMAL for x in lengths + angles)
+    return orthonormal and scalar_product(vector_product(a, b), c) > 0.0
 
 
 def _basis_and_normal(plane: str | ArrayLike) -> tuple[Array, Array]:
@@ -325,7 +345,7 @@ def _basis_and_normal(plane: str | ArrayLike) -> tuple[Array, Array]:
 
 def _checked_block(jacobian: ArrayLike) -> Array:
     J = real_array(jacobian, "the Jacobian block")
-    finite = bool(np.isfinite(J).all())
+    finite = all(map(math.isfinite, J.ravel().tolist()))
     if J.ndim != 2 or J.shape[0] != 3 or not finite:
         raise ArgumentError(
             f"the Jacobian block must be a finite 3 × n array, linear or angular rows alone; "

@@ -35,6 +35,10 @@ class JacobianPose(Protocol):
         """
         ...
 
+    def sizes(self) -> Array | None:
+        """Return `TwistMap.sizes` of J_eq there, None where no program has told them."""
+        ...
+
     def places(self) -> float:
         """Return what rounding of places moves the tool by, m."""
         ...

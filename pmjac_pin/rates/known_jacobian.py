@@ -39,6 +39,12 @@ class KnownJacobian(EquivalentJacobian):
         found: EquivalentJacobian = self.__dict__["_find"]()
         return found
 
+    @found_once
+    def sizes(self) -> Array:
+        """`TwistMap.sizes`, by the program that gave J_eq where it told them."""
+        told = None if self.pose is None else self.pose.sizes()
+        return self._found.sizes if told is None else told
+
     def __getattr__(self, name: str) -> Any:
         if name not in _MATRIX_FIELDS:
             message = f"{type(self).__name__!r} object has no attribute {name!r}"

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-import numpy as np
-
 from pmjac_pin.errors import ArgumentError
 from pmjac_pin.model.tool_rows import TWIST_ROWS, checked_rows
 from pmjac_pin.rates.ellipsoid import Ellipsoid, force_ellipsoid, velocity_ellipsoid
@@ -55,11 +53,11 @@ class ToolReach(TwistMap):
         """
         if limits is None:
             return self._linear_ellipsoid
-        return self._of_rates(0, rate_limits(limits, self.partition), SHARES)
+        return self._in_shares(0, limits)
 
     @found_once
     def _linear_ellipsoid(self) -> Ellipsoid:
-        return self._of_rates(0, self._equal, rates_unit(self.partition))
+        return self._ellipsoid(0, self.J_eq, self.sizes, rates_unit(self.partition))
 
     def angular_ellipsoid(self, limits: Limits | None = None) -> Ellipsoid:
         """Return the tool's angular velocities of all |θ̇| = 1, in rad/s.
@@ -68,11 +66,11 @@ class ToolReach(TwistMap):
         """
         if limits is None:
             return self._angular_ellipsoid
-        return self._of_rates(1, rate_limits(limits, self.partition), SHARES)
+        return self._in_shares(1, limits)
 
     @found_once
     def _angular_ellipsoid(self) -> Ellipsoid:
-        return self._of_rates(1, self._equal, rates_unit(self.partition))
+        return self._ellipsoid(1, self.J_eq, self.sizes, rates_unit(self.partition))
 
     def force_ellipsoid(self, limits: Limits | None = None) -> Ellipsoid:
         """Return the tool forces, without moment, that motor efforts |τ| = 1 balance, in N.
@@ -88,26 +86,27 @@ class ToolReach(TwistMap):
             As `velocity_ellipsoid`.
         """
         if limits is None:
-            weights, counted = self._equal, efforts_unit(self.partition)
+            J_eq, sizes, counted = self.J_eq, self.sizes, efforts_unit(self.partition)
         else:
-            weights, counted = 1.0 / effort_limits(limits, self.partition), SHARES
-        rounding = self._rounding(weights)[0]
-        return force_ellipsoid(self.J_eq[:3] * weights, "N", rounding, counted)
+            J_eq, sizes = self._weighted(1.0 / effort_limits(limits, self.partition))
+            counted = SHARES
+        return force_ellipsoid(J_eq[:3], "N", RADIUS_ROUNDING * float(sizes[0]), counted)
 
-    def _of_rates(self, kind: int, weights: Array, counted: str) -> Ellipsoid:
-        """Return that of the linear rows, 0, or of the angular ones, 1."""
-        block = self.J_eq[3 * kind : 3 * kind + 3] * weights
-        unit = ("m/s", "rad/s")[kind]
-        return velocity_ellipsoid(block, unit, self._rounding(weights)[kind], counted)
+    def _in_shares(self, kind: int, limits: Limits) -> Ellipsoid:
+        J_eq, sizes = self._weighted(rate_limits(limits, self.partition))
+        return self._ellipsoid(kind, J_eq, sizes, SHARES)
 
-    @property
-    def _equal(self) -> Array:
-        return np.ones(self.partition.actuated.size)
+    def _weighted(self, weights: Array) -> tuple[Array, Array]:
+        """Return J_eq, and what its entries are compared with, of motors that count as weighted."""
+        return self.J_eq * weights, self._sizes_of_motions(self.motion_map * weights)
 
-    def _rounding(self, weights: Array) -> list[float]:
-        """Return what radii may be by rounding alone: far above it, far below all that matters."""
-        sizes = self._sizes_of_motions(self.motion_map * weights)
-        return [RADIUS_ROUNDING * size for size in sizes.tolist()]
+    def _ellipsoid(self, kind: int, J_eq: Array, sizes: Array, counted: str) -> Ellipsoid:
+        """Return that of the linear rows, 0, or of the angular ones, 1.
+
+        What radii may be by rounding alone is far above it, and far below all that matters.
+        """
+        unit, block = ("m/s", "rad/s")[kind], J_eq[3 * kind : 3 * kind + 3]
+        return velocity_ellipsoid(block, unit, RADIUS_ROUNDING * float(sizes[kind]), counted)
 
     def velocity_polytope(self, limits: Limits, rows: Iterable[str] = TWIST_ROWS[:3]) -> Polytope:
         """Return the tool velocities that motor rates |θ̇ᵢ| ≤ limit reach, a zonotope.

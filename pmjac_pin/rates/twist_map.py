@@ -41,7 +41,7 @@ class TwistMap(SplitJacobian):
         """G with q̇ = G u, shape (nv, k): J_eq = J G and the constraint Jacobian times G is 0."""
         return self._motions(self._of_all_motors(), self.passive_rates)
 
-    @property
+    @found_once
     def sizes(self) -> Array:
         """What the entries of J_eq are compared with, linear and angular, shape (2,).
 
