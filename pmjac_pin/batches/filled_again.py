@@ -45,9 +45,9 @@ class Refillable(ReadOnlyArrays):
 Result = TypeVar("Result", bound=Refillable)
 
 
-def showing(kind: type[Result], sealed: Mapping[str, NDArray[Any]], shown: Shown) -> Result:
+def showing(kind: type[Result], known: dict[str, Any], shown: Shown) -> Result:
     """Return what shows arrays, by others that nobody can write to, and can be filled again."""
-    result = kind.of_sealed(sealed)
+    result = kind.of_sealed(known)
     object.__setattr__(result, "_shown", shown)
     return result
 

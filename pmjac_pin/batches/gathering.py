@@ -52,9 +52,15 @@ class Wanted(Generic[Results]):
         To be filled again.
     **more
         What the results know besides their arrays.
+
+    Attributes
+    ----------
+    shapes : ResultShapes
+    is_seen : bool
+        Whether somebody has them already.
     """
 
-    __slots__ = ("_kind", "_more", "_out", "_shapes")
+    __slots__ = ("_kind", "_more", "_out", "is_seen", "shapes")
 
     def __init__(
         self,
@@ -63,7 +69,8 @@ class Wanted(Generic[Results]):
         out: Results | None = None,
         **more: Any,
     ) -> None:
-        self._kind, self._shapes, self._out, self._more = kind, shapes, out, more
+        self._kind, self.shapes, self._out, self._more = kind, shapes, out, more
+        self.is_seen = out is not None
 
     def taken(self, given: Sequence[Array], turn: RefillTurn) -> tuple[Results, Shown]:
         """Return the results and what they show, which nobody else fills until a turn is over.
@@ -74,13 +81,11 @@ class Wanted(Generic[Results]):
             Results that cannot be filled again, while this is read.
         """
         if self._out is None:
-            arrays = empty_arrays(self._shapes)
-            shown = Shown(arrays, self._shapes, turn)
-            seen = {name: sealed(array) for name, array in arrays.items()}
-            result = showing(self._kind, seen, shown)
-            vars(result).update(self._more)
-            return result, shown
-        return self._out, shown_by(self._out, self._kind, self._shapes, given, turn)
+            arrays = empty_arrays(self.shapes)
+            known = {name: sealed(array) for name, array in arrays.items()} | self._more
+            shown = Shown(arrays, self.shapes, turn)
+            return showing(self._kind, known, shown), shown
+        return self._out, shown_by(self._out, self._kind, self.shapes, given, turn)
 
     def renew(self) -> None:
         """Let results that are filled again know what new ones would."""
@@ -120,12 +125,22 @@ def gathered_together(
             one.renew()
         results = tuple([result for result, _ in taken])
         arrays = [array for _, shown in taken for array in shown.arrays.values()]
-        filling = filling_of(arrays, work)
+        filling = filling_of(arrays, work, _seen(wanted))
         turn.helpers = filling.helpers
         _fill(filling, threads, how.progress, results)
     finally:
         turn.has_ended = True
     return results
+
+
+def _seen(wanted: Sequence[Wanted[Any]]) -> list[int]:
+    """Return the places of statuses among all arrays, of results that are filled again."""
+    places, first = [], 0
+    for one in wanted:
+        if one.is_seen:
+            places.append(first + one.shapes.status)
+        first += len(one.shapes)
+    return places
 
 
 def _fill(

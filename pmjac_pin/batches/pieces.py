@@ -84,23 +84,23 @@ def pieces_of(count: int) -> list[slice[int, int, None]]:
 class _Arrays:
     """Arrays of results that are filled piece by piece.
 
-    What has become of poses is said when all of their piece is done, and before that they are not:
-    so whenever somebody interrupts, and however often, what is not done says so.
+    In results that somebody has already, what has become of poses is said when all of their piece
+    is done, and before that they are not: so whenever somebody interrupts, and however often, what
+    is not done says so.
     """
 
-    def __init__(self, found: list[NDArray[Any]], work: PieceWork) -> None:
-        self._found, self._work = found, work
-        self._statuses = [k for k, array in enumerate(found) if array.itemsize == 1]
-        for k in self._statuses:
+    def __init__(self, found: list[NDArray[Any]], work: PieceWork, seen: Sequence[int]) -> None:
+        self._found, self._work, self._seen = found, work, seen
+        for k in seen:
             found[k].fill(_NOT_DONE)
 
     def _do(self, piece: Piece, found: list[NDArray[Any]]) -> None:
         """Fill the arrays of a piece."""
         told = found.copy()
-        for k in self._statuses:
+        for k in self._seen:
             told[k] = np.empty(found[k].shape, np.int8)
         self._work(piece, *told)
-        for k in self._statuses:
+        for k in self._seen:
             found[k][:] = told[k]
 
 
@@ -117,8 +117,8 @@ class Whole(_Arrays):
     given_up = False
     helpers: Sequence[Rest] = ()
 
-    def __init__(self, found: list[NDArray[Any]], work: PieceWork) -> None:
-        super().__init__(found, work)
+    def __init__(self, found: list[NDArray[Any]], work: PieceWork, seen: Sequence[int]) -> None:
+        super().__init__(found, work, seen)
         self.count, self._is_done = len(found[0]), False
 
     def fill(self, _: int, progress: Progress | None) -> None:
@@ -152,8 +152,8 @@ class Filling(_Arrays):
         Of the threads besides the caller's.
     """
 
-    def __init__(self, found: list[NDArray[Any]], work: PieceWork) -> None:
-        super().__init__(found, work)
+    def __init__(self, found: list[NDArray[Any]], work: PieceWork, seen: Sequence[int]) -> None:
+        super().__init__(found, work, seen)
         self.count = len(found[0])
         self._left = {piece.start: piece for piece in pieces_of(self.count)}
         self._waiting = deque(self._left)
@@ -234,9 +234,17 @@ class Filling(_Arrays):
         self._ended.append(piece.at.stop - at)
 
 
-def filling_of(found: list[NDArray[Any]], work: PieceWork) -> Whole | Filling:
-    """Return what fills arrays, each of its pieces by such work."""
-    return Whole(found, work) if len(found[0]) <= _BY_ONE else Filling(found, work)
+def filling_of(found: list[NDArray[Any]], work: PieceWork, seen: Sequence[int]) -> Whole | Filling:
+    """Return what fills arrays, each of its pieces by such work.
+
+    Parameters
+    ----------
+    found : list of ndarray
+    work : callable
+    seen : sequence of int
+        Which of the arrays are statuses of results that somebody has already.
+    """
+    return (Whole if len(found[0]) <= _BY_ONE else Filling)(found, work, seen)
 
 
 class _Told:

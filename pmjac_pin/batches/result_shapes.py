@@ -28,11 +28,14 @@ class ResultShapes(dict[str, tuple[int, ...]]):
         How many they hold.
     kinds : list of (str, tuple of int, dtype)
         Statuses, and numbers.
+    status : int
+        The place of the statuses among them.
     """
 
     def __init__(self, shapes: Mapping[str, tuple[int, ...]]) -> None:
         super().__init__(shapes)
         self.numbers = sum(map(math.prod, shapes.values()))
+        self.status = list(shapes).index("status") if "status" in shapes else -1
         self.kinds = [
             (name, shape, np.dtype(np.int8 if name == "status" else np.float64))
             for name, shape in shapes.items()

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Self, TypeAlias, TypeVar
 
@@ -33,10 +32,10 @@ class ReadOnlyArrays:
     """
 
     @classmethod
-    def of_sealed(cls, arrays: Mapping[str, AnyArray]) -> Self:
+    def of_sealed(cls, arrays: dict[str, Any]) -> Self:
         """Return what holds arrays, all of its own by their names, that nobody can write to."""
         made = object.__new__(cls)
-        made.__dict__.update(arrays)
+        object.__setattr__(made, "__dict__", arrays)
         return made
 
     def __post_init__(self) -> None:
