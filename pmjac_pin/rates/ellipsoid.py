@@ -29,7 +29,7 @@ from pmjac_pin.rates.ellipse import (
     settled_axes,
     vector_product,
 )
-from pmjac_pin.values.arrays import Array, ReadOnlyArrays
+from pmjac_pin.values.arrays import Array, ReadOnlyArrays, sealed
 from pmjac_pin.values.checks import LARGEST
 from pmjac_pin.values.shown import Shown
 from pmjac_pin.values.ties import first_largest
@@ -99,11 +99,8 @@ class Ellipsoid(ReadOnlyArrays, Shown):
     def _of_image(cls, radii: Array, axes: Array, unit: str, motor_unit: str) -> Ellipsoid:
         """Return that with radii and axes as they are made here, which need no looking at."""
         _check_unit_names(unit, motor_unit)
-        radii.setflags(write=False)
-        axes.setflags(write=False)
-        made: Ellipsoid = object.__new__(cls)
-        made.__dict__.update(radii=radii, axes=axes, unit=unit, motor_unit=motor_unit)
-        return made
+        known = {"radii": sealed(radii), "axes": sealed(axes)}
+        return cls.of_sealed({**known, "unit": unit, "motor_unit": motor_unit})
 
     def __repr__(self) -> str:
         counted = f", motors in {self.motor_unit}" if self.motor_unit else ""
