@@ -60,6 +60,9 @@ def test_in_one_call_of_the_kernel_where_it_can(more, asked, compiled, rng, monk
     many = pj.batch(mechanism, compiled=compiled)
     expected = many.close(values, enforce_limits=False)
     rates, fill = many.ellipsoids(expected.q), ManyRates.fill
+    _, certain = many._at_poses.ellipsoids().rates.fill(expected.q, rates.J_eq.copy())
+    known = np.delete(certain, [3, 5]).mean()  # which may stop, or be none
+    assert {0.0: known == 1.0, 0.79: 0.0 < known < 1.0, 2.0: known == 0.0}[asked]
     monkeypatch.setattr(ManyRates, "fill", lambda *given: apart.append(1) or fill(*given))
     poses, found = many.ellipsoids_at(values, enforce_limits=False)
     equal(poses, expected)

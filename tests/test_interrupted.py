@@ -21,7 +21,7 @@ from pmjac_pin.batches.gathering import Manner, Wanted, gathered
 from pmjac_pin.batches.pieces import PIECE, pieces_of
 from pmjac_pin.batches.rest import Rest
 from pmjac_pin.batches.result_shapes import shapes_of
-from pmjac_pin.batches.turn import RefillTurn
+from pmjac_pin.batches.turn import RefillTurn, Turns
 
 COUNT = 40_000
 VALUES = np.array([2.187, 0.954]) + np.random.default_rng(0).uniform(-0.1, 0.1, (COUNT, 2))
@@ -274,13 +274,32 @@ def test_a_second_interrupt_waits_for_what_is_still_written():
 
 
 def test_what_a_thread_still_writes_to_is_no_other_calls():
-    last, turn, rest = RefillTurn(), RefillTurn(), Rest()
+    last, rest = RefillTurn(), Rest()
+    turns, of_another = Turns(last), Turns(last)  # two results of one call
     last.helpers, last.has_ended, rest.is_busy = [rest], True, True
-    assert not turn.is_behind(last, pj.ManyClosed)
+    assert not turns.go_on_with(RefillTurn(), pj.ManyClosed)
     rest.reach()
-    assert turn.is_behind(last, pj.ManyClosed)
-    assert not RefillTurn().is_behind(last, pj.ManyClosed)
-    assert RefillTurn().is_behind(last, pj.ManyEllipsoids)  # another result of the same call
+    assert turns.go_on_with(RefillTurn(), pj.ManyClosed)
+    assert not turns.go_on_with(RefillTurn(), pj.ManyClosed)
+    assert of_another.go_on_with(RefillTurn(), pj.ManyEllipsoids)
+
+
+def test_turns_that_are_past_are_forgotten(many):
+    """Also where one result of a call is filled again and again, and the other never."""
+    poses, found = many.ellipsoids_at(np.tile(many.mechanism.home.actuated, (5, 1)))
+    for _ in range(20):
+        many.ellipsoids(poses.q, out=found)
+    assert len(reached_from(poses._shown.turns._last)) == 1
+
+
+def reached_from(turn):
+    """It and all turns that it keeps."""
+    found, left = set(), [turn]
+    while left:
+        one = left.pop()
+        found.add(id(one))
+        left += [other for other in one.followed.values() if other is not None]
+    return found
 
 
 def test_where_no_thread_can_begin_the_caller_does_all(monkeypatch):

@@ -11,24 +11,23 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from operator import is_
-from typing import Any, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pmjac_pin.batches.result_shapes import ResultShapes
-from pmjac_pin.batches.turn import RefillTurn
+from pmjac_pin.batches.turn import RefillTurn, Turns
 from pmjac_pin.errors import ArgumentError, quoted
 from pmjac_pin.values.arrays import Array, ReadOnlyArrays
 
 
-@dataclass(slots=True, eq=False)
-class Shown:
+class Shown(NamedTuple):
     """The arrays that a result shows, and their shapes, by their names; and whose turn it is."""
 
     arrays: Mapping[str, NDArray[Any]]
     shapes: ResultShapes
-    last: RefillTurn
+    turns: Turns
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,13 +83,12 @@ def shown_by(
     shown: Shown | None = getattr(out, "_shown", None)
     if shown is not None:
         _check_to_be_filled(shown, shapes, given)
-    if shown is None or not turn.is_behind(shown.last, kind):
+    if shown is None or not shown.turns.go_on_with(turn, kind):
         raise ArgumentError(
             f"`out` is a {kind.__name__} as a call has returned it; the arrays of this one, which "
             "was made by hand, copied or unpickled, or is being filled by another call, stay as "
             "they are"
         )
-    shown.last = turn
     return shown
 
 

@@ -16,7 +16,7 @@ from pmjac_pin.batches.pieces import (
     thread_count,
 )
 from pmjac_pin.batches.result_shapes import ResultShapes, empty_arrays
-from pmjac_pin.batches.turn import RefillTurn
+from pmjac_pin.batches.turn import RefillTurn, Turns
 from pmjac_pin.values.arrays import Array, sealed
 from pmjac_pin.values.checks import check_callable
 
@@ -83,7 +83,7 @@ class Wanted(Generic[Results]):
         if self._out is None:
             arrays = empty_arrays(self.shapes)
             known = {name: sealed(array) for name, array in arrays.items()} | self._more
-            shown = Shown(arrays, self.shapes, turn)
+            shown = Shown(arrays, self.shapes, Turns(turn))
             return showing(self._kind, known, shown), shown
         return self._out, shown_by(self._out, self._kind, self.shapes, given, turn)
 

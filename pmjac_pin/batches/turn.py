@@ -10,34 +10,22 @@ from pmjac_pin.batches.rest import Rest
 class RefillTurn:
     """A call's turn to fill results, one of a kind: others are refused until it is over.
 
-    Threads may ask at the same time, and somebody interrupt between any two steps. So it is over
-    for all of its results by one operation, and whoever is first behind it has the next turn by one
-    operation of a dictionary, which is whole.
-
     Attributes
     ----------
     has_ended : bool
         Whether the call is done.
     helpers : sequence of Rest
         Of threads that help it, which may still write.
-
-    Examples
-    --------
-    >>> first, mine, other = RefillTurn(), RefillTurn(), RefillTurn()
-    >>> first.has_ended = True
-    >>> mine.is_behind(first, dict), other.is_behind(first, dict)
-    (True, False)
-    >>> mine.has_ended = True
-    >>> other.is_behind(first, dict)
-    True
+    followed : dict
+        By what it is followed, or that this is long past (None), of each kind of its results.
     """
 
-    __slots__ = ("_next", "has_ended", "helpers")
+    __slots__ = ("followed", "has_ended", "helpers")
 
     def __init__(self) -> None:
         self.has_ended = False
         self.helpers: Sequence[Rest] = ()
-        self._next: dict[type, RefillTurn] = {}
+        self.followed: dict[type, RefillTurn | None] = {}
 
     @property
     def is_over(self) -> bool:
@@ -46,10 +34,40 @@ class RefillTurn:
             return self.has_ended
         return self.has_ended and not any(rest.is_busy for rest in self.helpers)
 
-    def is_behind(self, last: RefillTurn, kind: type) -> bool:
-        """Take this turn behind another, or those that have come after it, if they are over."""
-        while last is not self:
+
+class Turns:
+    """Turns to fill one result, of which the last is known.
+
+    Threads may ask at the same time, and somebody interrupt between any two steps. So a turn is
+    over for all of its results by one operation, and whoever is first behind it has the next one by
+    one operation of a dictionary, which is whole.
+
+    Examples
+    --------
+    >>> first, mine, other = RefillTurn(), RefillTurn(), RefillTurn()
+    >>> turns = Turns(first)
+    >>> first.has_ended = True
+    >>> turns.go_on_with(mine, dict), turns.go_on_with(other, dict)
+    (True, False)
+    >>> mine.has_ended = True
+    >>> turns.go_on_with(other, dict)
+    True
+    """
+
+    __slots__ = ("_last",)
+
+    def __init__(self, first: RefillTurn) -> None:
+        self._last = first
+
+    def go_on_with(self, turn: RefillTurn, kind: type) -> bool:
+        """Have a turn behind the last one of a result of some kind, if that is over."""
+        before, last = self._last, self._last
+        while last is not turn:
             if not last.is_over:
                 return False
-            last = last._next.setdefault(kind, self)
+            following = last.followed.setdefault(kind, turn)
+            before, last = last, self._last if following is None else following
+        if before is not turn:
+            self._last = turn
+            before.followed[kind] = None  # else the first of many turns would keep all others
         return True
