@@ -11,7 +11,7 @@ from typing import Any
 from numpy.typing import NDArray
 
 _PMJAC_PIN = Path(__file__).parents[1]
-POINTER, COUNT = ctypes.c_void_p, ctypes.c_int64
+POINTER, COUNT, NUMBER = ctypes.c_void_p, ctypes.c_int64, ctypes.c_double
 _address_of, _first_byte = ctypes.addressof, ctypes.c_char.from_buffer
 
 

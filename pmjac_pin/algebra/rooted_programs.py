@@ -11,7 +11,7 @@ from pmjac_pin.algebra.arrays import Numbers
 from pmjac_pin.algebra.jets import half_skew
 from pmjac_pin.algebra.programs import Programs
 
-_TINY_SINE = 1e-150  # of a turn that is none, and yet is divided by
+_NO_SINE = 1e-150  # of a turn that is none, and yet is divided by
 _HALF_A_TURN = 1e-12  # 1 + cos(angle) below which the axis of a turn is lost
 
 
@@ -42,7 +42,7 @@ class RootedPrograms(Programs):
         """Return log R; at half a turn, where the axis is lost, one of that length."""
         sine_axis = half_skew(self, rotation)
         cosine = 0.5 * (rotation[0, 0] + rotation[1, 1] + rotation[2, 2] - 1.0)
-        sine = self.largest(self.sqrt(self.squared(sine_axis)), _TINY_SINE)
+        sine = self.largest(self.sqrt(self.squared(sine_axis)), _NO_SINE)
         vector = sine_axis * (self.atan2(sine, cosine) / sine)
         return self.replaced(vector, [math.pi, 0.0, 0.0], 1.0 + cosine, _HALF_A_TURN)
 

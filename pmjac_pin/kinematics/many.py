@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from pmjac_pin.algebra.tape import Tape
 
 _FLOATS = Floats()
-_MANY = 2  # poses: one alone does not pay for recording
+_MANY = 64  # poses: few do not pay for recording
 
 
 @dataclass(frozen=True, slots=True, eq=False)
