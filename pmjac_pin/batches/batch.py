@@ -438,7 +438,7 @@ class Batch:
 
         def closed(piece: Piece, q: Array, share: Array, status: Statuses, *found: Any) -> None:
             rates, following = work, None
-            if isinstance(work, EllipsoidsWork) and (begun := work.begun(q, *found)) is not None:
+            if isinstance(work, EllipsoidsWork) and (begun := work.begun(*found)) is not None:
                 rates, following = partial(work.end, begun), begun.following
             some_unknown = close(piece, q, share, status, following=following)
             (self._where_sound(rates) if some_unknown else rates)(piece, q, *found)
