@@ -85,6 +85,23 @@ def test_by_pieces_threads_and_guesses(call, rng):
     equal(found, getattr(many, call)(expected.q))
 
 
+@pytest.mark.parametrize("name", ["five_bar", "three_rps"])
+def test_in_any_order_of_guesses_and_calls(name, rng):
+    """What a kernel was told for one call it does not take for the next."""
+    mechanism = machine(name)
+    values = targets(mechanism, 30, 0.1, rng)
+    many, near = pj.batch(mechanism), mechanism.close(values[0])
+    guesses = ["home", near, many.close(values).q]
+    calls = [(of, guess) for of in ("close", "ellipsoids_at") for guess in guesses]
+    expected = [getattr(pj.batch(mechanism), of)(values, guess) for of, guess in calls]
+    for k in np.concatenate([rng.permutation(len(calls)) for _ in range(5)]).tolist():
+        of, guess = calls[k]
+        found = getattr(many, of)(values, guess)
+        pairs = zip(found, expected[k], strict=True) if of != "close" else [(found, expected[k])]
+        for one, other in pairs:
+            equal(one, other)
+
+
 @pytest.mark.parametrize("call", CALLS)
 def test_filled_again(call, rng):
     many = pj.batch(machine("three_rps"))

@@ -6,7 +6,7 @@ What a program certifies is what the single call says; where it cannot, the sing
 from __future__ import annotations
 
 from collections.abc import Mapping
-from functools import partial
+from functools import cached_property, partial
 from typing import Any, TypeVar
 
 import numpy as np
@@ -37,6 +37,7 @@ from pmjac_pin.closing.kernel_walk import Following
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import ArgumentError, quoted
 from pmjac_pin.mechanism import Mechanism
+from pmjac_pin.model.coordinates import JointCoordinates
 from pmjac_pin.model.limits import enforced
 from pmjac_pin.model.reference_frame import frame_name
 from pmjac_pin.values.arrays import Array, Index
@@ -200,8 +201,7 @@ class Batch:
         """Close from closed q (N, nq), NOT_DONE where it takes more steps."""
 
         def work(piece: Piece, *found: Any) -> None:
-            at = piece.at
-            paths = start[at], targets[at]
+            paths = piece.part(start), piece.part(targets)
             self._closing.close(piece, paths, whose, found, most_steps=most_steps)
 
         return gathered(self._closed(len(start)), work, Manner(threads))
@@ -217,7 +217,7 @@ class Batch:
 
         def work(piece: Piece, *found: Any, following: Following | None = None) -> bool:
             """Tell whether of some paths nothing is known; where that is so, nothing follows."""
-            begin, targets, why, beyond = start[piece.at], values[piece.at], None, whose
+            begin, targets, why, beyond = piece.part(start), piece.part(values), None, whose
             if known and self.mechanism.motors.are_inside(targets):
                 beyond = "none" if whose == "motors" else whose
             else:
@@ -234,8 +234,13 @@ class Batch:
         return len(values), work, (values,) if known else (start, values)
 
     def _closed(self, count: int, out: ManyClosed | None = None) -> Wanted[ManyClosed]:
-        shapes = shapes_of_closed(count, self.mechanism.nq)
-        return Wanted(ManyClosed, shapes, out, _coordinates=self.mechanism.coordinates)
+        nq, coordinates = self._q
+        return Wanted(ManyClosed, shapes_of_closed(count, nq), out, coordinates)
+
+    @cached_property
+    def _q(self) -> tuple[int, dict[str, JointCoordinates]]:
+        """How many entries it has, and what closed poses know of them."""
+        return self.mechanism.nq, {"_coordinates": self.mechanism.coordinates}
 
     def jacobian(
         self,
@@ -402,7 +407,7 @@ class Batch:
         (poses,), sound = how.given, self._where_sound(work)
 
         def of_piece(piece: Piece, *found: Any) -> None:
-            sound(piece, poses[piece.at], *found)
+            sound(piece, piece.part(poses), *found)
 
         return gathered(self._wanted(kind, len(poses), out), of_piece, how)
 
@@ -433,7 +438,7 @@ class Batch:
 
         def closed(piece: Piece, q: Array, share: Array, status: Statuses, *found: Any) -> None:
             rates, following = work, None
-            if isinstance(work, EllipsoidsWork) and (begun := work.begun(q, *found)) is not None:
+            if isinstance(work, EllipsoidsWork) and (begun := work.begun(*found)) is not None:
                 rates, following = partial(work.end, begun), begun.following
             some_unknown = close(piece, q, share, status, following=following)
             (self._where_sound(rates) if some_unknown else rates)(piece, q, *found)

@@ -33,9 +33,9 @@ class EllipsoidsWork:
         J_eq, status, *radii = found
         self._settle(self.rates.fill(q, J_eq, radii), piece, q, (J_eq, status), radii)
 
-    def begun(self, q: Array, J_eq: Array, _: Statuses, *radii: Array) -> RatesInLanes | None:
-        """Return what finds it behind a walk that fills q; None where nothing does."""
-        return self.rates.ahead(q, J_eq, radii)
+    def begun(self, J_eq: Array, _: Statuses, *radii: Array) -> RatesInLanes | None:
+        """Return what finds it behind a walk; None where nothing does."""
+        return self.rates.ahead(J_eq, radii)
 
     def end(self, begun: RatesInLanes, piece: Piece, q: Array, *found: Any) -> None:
         """Fill what is left of them: all, where that was not done."""

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType
 from typing import Any, Generic, NamedTuple, TypeVar
 
 from pmjac_pin.batches.filled_again import Refillable, Shown, showing, shown_by
@@ -50,7 +51,7 @@ class Wanted(Generic[Results]):
         Of its arrays, by their names.
     out : Results, optional
         To be filled again.
-    **more
+    more : mapping of str to object
         What the results know besides their arrays.
 
     Attributes
@@ -67,7 +68,7 @@ class Wanted(Generic[Results]):
         kind: type[Results],
         shapes: ResultShapes,
         out: Results | None = None,
-        **more: Any,
+        more: Mapping[str, Any] = MappingProxyType({}),
     ) -> None:
         self._kind, self.shapes, self._out, self._more = kind, shapes, out, more
         self.is_seen = out is not None
@@ -82,7 +83,8 @@ class Wanted(Generic[Results]):
         """
         if self._out is None:
             arrays = empty_arrays(self.shapes)
-            known = {name: sealed(array) for name, array in arrays.items()} | self._more
+            known = {name: sealed(array) for name, array in arrays.items()}
+            known.update(self._more)
             shown = Shown(arrays, self.shapes, Turns(turn))
             return showing(self._kind, known, shown), shown
         return self._out, shown_by(self._out, self._kind, self.shapes, given, turn)

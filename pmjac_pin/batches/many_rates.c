@@ -30,16 +30,15 @@ typedef int (*Radii)(
     const double *J_eq, int64_t motors, int64_t count, const double *sizes, const void *nothing,
     double *linear, double *angular);
 
-/* From rows (count, nq) to rows (count, entries), to numbers (more, count) that follow these in the
- * program, and to whether each is certain; and how many are not. Where radii are asked for, these
- * numbers are sizes. */
+/* From rows of q (count, nq) to rows (count, entries), to numbers (more, count) that follow these in
+ * the program, and to whether each is certain; and how many are not. Where radii are asked for,
+ * these numbers are sizes. */
 typedef struct {
     Program program;
     Certainty asked;
     Radii radii;
     const void *nothing;
-    int64_t nq, entries, more, count;
-    const double *q;
+    int64_t nq, entries, more;
     double *J_eq, *others;
     uint8_t *certain;
     double *linear, *angular; /* NULL: no radii */
@@ -47,17 +46,17 @@ typedef struct {
 } Rates;
 
 /* Returns what `radii` does, else 0. What walks paths may ask for it where they end. */
-int pmjac_rates(void *of)
+int pmjac_rates(void *of, const double *q, int64_t count)
 {
     Rates *rates = of;
     const Program *program = &rates->program;
     const Row *told = program->outputs;
-    int64_t count = rates->count, nq = rates->nq, entries = rates->entries, certain = 0;
+    int64_t nq = rates->nq, entries = rates->entries, certain = 0;
     for (int64_t start = 0; start < count; start += LANES) {
         int width = count - start < LANES ? (int)(count - start) : LANES;
         for (int64_t k = 0; k < nq; k++)
             for (int at = 0; at < LANES; at++)
-                program->inputs[k][at] = rates->q[(start + (at < width ? at : width - 1)) * nq + k];
+                program->inputs[k][at] = q[(start + (at < width ? at : width - 1)) * nq + k];
         run_stage(program, 0, width);
         for (int at = 0; at < width; at++) {
             int it_is = is_certain(&rates->asked, told, at);

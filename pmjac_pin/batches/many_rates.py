@@ -74,29 +74,28 @@ class ManyRates:
         if self._spares is None:
             return self._by_numpy(poses, J_eq)
         memory = self._spares.take()
-        memory.take(poses, J_eq, radii)
-        memory.run()
+        memory.take(J_eq, radii)
+        memory.run(poses)
         others, certain = memory.told()
         self.put_back(memory)
         if self._partition.isolated:
             certain.fill(False)
         return others, certain
 
-    def ahead(self, poses: Array, J_eq: Array, radii: Sequence[Array]) -> RatesInLanes | None:
-        """Return what fills these as soon as a walk that it follows has filled the poses.
+    def ahead(self, J_eq: Array, radii: Sequence[Array]) -> RatesInLanes | None:
+        """Return what fills these as soon as a walk that it follows has filled as many poses.
 
         None where that is not possible. To be put back when what it has found is not needed.
         """
         if self._spares is None or not self._finds_radii or self._partition.isolated:
             return None
         memory = self._spares.take()
-        memory.take(poses, J_eq, radii)
+        memory.take(J_eq, radii)
         return memory
 
     def put_back(self, memory: RatesInLanes) -> None:
         """Leave memory to others."""
         if self._spares is not None:
-            memory.let_go()
             self._spares.put_back(memory)
 
     def _by_numpy(self, poses: Array, J_eq: Array) -> tuple[Array, Mask]:

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from pmjac_pin.batches.rest import Rest, wait_for, wait_whatever_happens
 from pmjac_pin.batches.results import Status, say_nothing
 from pmjac_pin.errors import ArgumentError, Interrupted, quoted
-from pmjac_pin.values.arrays import Mask
+from pmjac_pin.values.arrays import Array, Mask
 from pmjac_pin.values.cores import usable_cores
 
 PIECE = 5120  # poses at most: they fill the kernel's lanes, and some MB
@@ -39,8 +39,12 @@ class Piece:
 
     __slots__ = ("_of", "at")
 
-    def __init__(self, at: slice, of: Whole | Filling) -> None:
+    def __init__(self, at: slice, of: Filling) -> None:
         self.at, self._of = at, of
+
+    def part(self, rows: Array) -> Array:
+        """Return those of these poses."""
+        return rows[self.at]
 
     def each(self, of: Mask) -> Iterator[int]:
         """Yield where a mask holds, for what takes long at each of these poses."""
@@ -104,8 +108,8 @@ class _Arrays:
             found[k][:] = told[k]
 
 
-class Whole(_Arrays):
-    """Arrays of so few poses that they are one piece, where each microsecond counts.
+class Whole(_Arrays, Piece):
+    """Arrays of so few poses that they are one piece, where each microsecond counts: it is that.
 
     Attributes
     ----------
@@ -118,13 +122,21 @@ class Whole(_Arrays):
     helpers: Sequence[Rest] = ()
 
     def __init__(self, found: list[NDArray[Any]], work: PieceWork, seen: Sequence[int]) -> None:
-        super().__init__(found, work, seen)
-        self.count, self._is_done = len(found[0]), False
+        _Arrays.__init__(self, found, work, seen)
+        self.count = count = len(found[0])
+        self.at, self._is_done = slice(0, count), False
+
+    def part(self, rows: Array) -> Array:
+        """Return all of them."""
+        return rows
+
+    def go_on(self) -> None:
+        """Go on: somebody waits for it."""
 
     def fill(self, _: int, progress: Progress | None) -> None:
         """Fill the arrays, in the caller's thread."""
         if self.count:
-            self._do(Piece(slice(0, self.count), self), self._found)
+            self._do(self, self._found)
         self._is_done = True
         if progress is not None and self.count:
             progress(self.count, self.count)

@@ -41,8 +41,8 @@ class RatesStruct(ctypes.Structure):
         ("program", ProgramStruct),
         ("asked", CertaintyStruct),
         *((name, POINTER) for name in ("radii", "nothing")),
-        *((name, COUNT) for name in ("nq", "entries", "more", "count")),
-        *((name, POINTER) for name in ("q", "J_eq", "others", "certain", "linear", "angular")),
+        *((name, COUNT) for name in ("nq", "entries", "more")),
+        *((name, POINTER) for name in ("J_eq", "others", "certain", "linear", "angular")),
         ("uncertain", COUNT),
     )
 
@@ -66,7 +66,7 @@ class RatesInLanes:
         What finds it behind a walk.
     """
 
-    __slots__ = ("_certain", "_given", "_kept", "_others", "_run", "_struct", "following")
+    __slots__ = ("_certain", "_count", "_kept", "_others", "_run", "_struct", "following")
 
     def __init__(
         self,
@@ -90,30 +90,25 @@ class RatesInLanes:
         self._kept, self._run = memory, library.pmjac_rates
         function = ctypes.cast(library.pmjac_rates, POINTER).value
         self.following = Following(function, ctypes.addressof(self._struct), self._struct)
-        self._given: object = None
-        self._others, self._certain = np.empty(0), np.empty(0, dtype=bool)
+        self._others, self._certain, self._count = np.empty(0), np.empty(0, dtype=bool), 0
 
-    def take(self, poses: Array, J_eq: Array, radii: Sequence[Array] = ()) -> None:
-        """Take rows of q, and where J_eq goes and the radii of its blocks, row by row.
-
-        The poses may be such as are not known before it runs.
-        """
-        struct, count = self._struct, len(poses)
+    def take(self, J_eq: Array, radii: Sequence[Array] = ()) -> None:
+        """Take where J_eq goes and the radii of its blocks, row by row; of which q, it is told."""
+        struct, count = self._struct, len(J_eq)
         if count > len(self._certain):
             self._make_room(count)
-        self._given = rows = np.ascontiguousarray(poses)
-        struct.count, struct.uncertain = count, -1
-        struct.q, struct.J_eq = address(rows), address(J_eq)
+        self._count, struct.uncertain, struct.J_eq = count, -1, address(J_eq)
         struct.linear, struct.angular = map(address, radii) if radii else (None, None)
 
-    def run(self) -> None:
-        """Find it.
+    def run(self, poses: Array) -> None:
+        """Find it at so many rows of q.
 
         Raises
         ------
         MemoryError
         """
-        if self._run(self.following.given):
+        rows = np.ascontiguousarray(poses)
+        if self._run(self.following.given, address(rows), len(rows)):
             raise MemoryError("no memory for singular values")
 
     @property
@@ -128,14 +123,10 @@ class RatesInLanes:
 
     def told(self) -> tuple[Array, Mask]:
         """Give away what the tape gives behind J_eq, (k, N), and where J_eq is certain, (N,)."""
-        count, more = self._struct.count, self._struct.more
+        count, more = self._count, self._struct.more
         others = self._others[: more * count].reshape(more, count)
         certain, self._certain = self._certain[:count], np.empty(0, dtype=bool)
         return others, certain
-
-    def let_go(self) -> None:
-        """Keep nothing of what was taken: it may be parts of large arrays."""
-        self._given = None
 
     def _make_room(self, count: int) -> None:
         self._others = np.empty(self._struct.more * count)
@@ -147,4 +138,4 @@ class RatesInLanes:
 def rates_kernel() -> ctypes.CDLL | None:
     """Return the kernel that was built from the source beside it, None where there is none."""
     sources = ("batches/many_rates.c", *PROGRAM_SOURCES)
-    return loaded("batches/_many_rates.so", *sources, pmjac_rates=(POINTER,))
+    return loaded("batches/_many_rates.so", *sources, pmjac_rates=(POINTER, POINTER, COUNT))

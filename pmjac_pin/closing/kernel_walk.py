@@ -93,7 +93,7 @@ class Following(NamedTuple):
     Attributes
     ----------
     function, given : int
-        Where a function in C is that takes one pointer, and that pointer.
+        Where a function in C is, and the pointer that it takes, before all q and their number.
     kept : object
         Whose memory it points to.
     """
@@ -103,13 +103,28 @@ class Following(NamedTuple):
     kept: object
 
 
+class CommonStart(NamedTuple):
+    """A closed pose from which all paths start.
+
+    Attributes
+    ----------
+    q : bytes
+        Its numbers, shape (nq,).
+    inverse : float
+        How large the inverse of K* is there at most; 0 where that is not known.
+    """
+
+    q: bytes
+    inverse: float
+
+
 class PathsToWalk(NamedTuple):
     """Paths, and where they end.
 
     Attributes
     ----------
-    start : ndarray, shape (b, nq)
-        Closed poses; rows may be the same memory.
+    start : ndarray, shape (b, nq), or CommonStart
+        Closed poses.
     displacement, target : ndarray, shape (b, n)
         Of the motors. No displacement: from entries of q to the targets.
     q, share : ndarray, shapes (b, nq) and (b,)
@@ -119,7 +134,7 @@ class PathsToWalk(NamedTuple):
     following : Following, optional
     """
 
-    start: Array
+    start: Array | CommonStart
     displacement: Array | None
     target: Array
     q: Array
@@ -137,6 +152,10 @@ class KernelWalk:
     machine : KernelMachine
     move, arrival, leg : Tape
         Those of a `Walker`.
+    compiled : sequence of CompiledProgram or None
+        What computes the same as the tapes.
+    few, patience : int
+        The last few paths take no more steps than these.
 
     Attributes
     ----------
@@ -153,6 +172,9 @@ class KernelWalk:
         machine: KernelMachine,
         tapes: tuple[Tape, Tape, Tape],
         compiled: Sequence[CompiledProgram | None] = (None, None, None),
+        *,
+        few: int = 0,
+        patience: int = straight_path.MOST_STEPS,
     ) -> None:
         lanes = library.pmjac_lanes()
         programs = [Memory(tape, lanes, it) for tape, it in zip(tapes, compiled, strict=True)]
@@ -172,52 +194,53 @@ class KernelWalk:
             ctypes.addressof(states),
             address(common),
             address(learnt),
-            0.0,
+            few=few,
+            patience=patience,
         )
         self._argument, self._one = ctypes.byref(self._struct), np.zeros(machine.struct.nq)
         self._where_one_is = address(self._one)
+        self._common: CommonStart | None = None
+        self._following: Following | None = None
         self._given: object = None
         self._make_room(1)
 
-    def take(
-        self,
-        paths: PathsToWalk,
-        most_tries: int = straight_path.MOST_STEPS,
-        few: int = 0,
-        patience: int = straight_path.MOST_STEPS,
-        inverse: float = 0.0,
-    ) -> None:
-        """Take paths to walk: of at most so many steps, of the last few of fewer.
-
-        Where all start at one pose, `inverse` may be how large that of K* is there at most.
-        """
-        struct, count = self._struct, len(paths.start)
+    def take(self, paths: PathsToWalk, most_tries: int = straight_path.MOST_STEPS) -> None:
+        """Take paths to walk, of at most so many steps."""
+        struct, count = self._struct, len(paths.target)
         if count > len(self.end):
             self._make_room(count)
-        start = self._one
-        if paths.start.strides[0]:
-            start = np.ascontiguousarray(paths.start)
-            struct.start, struct.apart = address(start), start.shape[1]
-        else:
-            start[:] = paths.start[0]
-            struct.start, struct.apart = self._where_one_is, 0
-        target, way = np.ascontiguousarray(paths.target), paths.displacement
-        struct.target, struct.ways = address(target), None
+        start, way, target, q, share, design, following = paths
+        target = np.ascontiguousarray(target)
+        struct.target, struct.q, struct.share = address(target), address(q), address(share)
+        struct.count, struct.most_tries = count, most_tries
+        if start is not self._common:
+            start = self._take_start(start)
         if way is None:
-            way = self.ways
             struct.ways = struct.displacement = self._where_ways_are
         else:
             way = np.ascontiguousarray(way)
-            struct.displacement = address(way)
-        design = None if paths.design is None else np.ascontiguousarray(paths.design)
-        self._given = start, target, way, design, paths
-        struct.design, struct.designed = None, 0
+            struct.ways, struct.displacement = None, address(way)
+        struct.designed = 0
         if design is not None:
+            design = np.ascontiguousarray(design)
             struct.design, struct.designed = address(design), design.shape[1]
-        struct.q, struct.share = address(paths.q), address(paths.share)
-        struct.inverse, struct.count, struct.most_tries = inverse, count, most_tries
-        struct.few, struct.patience = few, min(patience, most_tries)
-        struct.follow, struct.given, _ = paths.following or (None, None, None)
+        if following is not self._following:
+            struct.follow, struct.given, _ = following or (None, None, None)
+            self._following = following
+        self._given = start, target, way, design, paths
+
+    def _take_start(self, start: Array | CommonStart) -> Array | CommonStart:
+        """Take where paths start; return what holds it."""
+        struct = self._struct
+        if isinstance(start, CommonStart):
+            self._one[:] = np.frombuffer(start.q)
+            struct.start, struct.apart, struct.inverse = self._where_one_is, 0, start.inverse
+            self._common = start
+            return start
+        rows = np.ascontiguousarray(start)
+        struct.start, struct.apart, struct.inverse = address(rows), rows.shape[1], 0.0
+        self._common = None
+        return rows
 
     def _make_room(self, count: int) -> None:
         self.gap, self.ways = np.empty(count), np.empty((count, self._motors))

@@ -83,9 +83,10 @@ static void set_all_out(Walk *walk)
     int64_t busy = 0;
     for (int at = 0; at < LANES; at++) living += walk->lanes[at].state != IDLE;
     int few = walk->taken == walk->count && living <= walk->few;
+    int64_t most = few && walk->patience < walk->most_tries ? walk->patience : walk->most_tries;
     for (int at = 0; at < LANES; at++) {
         if (walk->lanes[at].state != IDLE) {
-            int64_t end = set_out(walk, at, few ? walk->patience : walk->most_tries);
+            int64_t end = set_out(walk, at, most);
             if (end != GOES_ON) finish(walk, at, end);
         }
         take_up(walk, at);
@@ -254,7 +255,8 @@ int pmjac_walk(Walk *walk, int64_t steps)
         step(walk);
         set_all_out(walk);
     }
-    if (walk->follow && walk->arrived == walk->count) walk->follow(walk->given);
+    if (walk->follow && walk->arrived == walk->count)
+        walk->follow(walk->given, walk->q, walk->count);
     return walk->busy > 0;
 }
 

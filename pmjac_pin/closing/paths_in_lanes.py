@@ -16,6 +16,7 @@ from pmjac_pin.closing.closure_problem import ClosureProblem
 from pmjac_pin.closing.kernel_walk import (
     DOUBTFUL,
     SPENT,
+    CommonStart,
     Following,
     KernelMachine,
     KernelWalk,
@@ -75,7 +76,7 @@ class PathsInLanes:
             least_size=partition.least_size,
         )
         self._walks = Spares(self._another_walk)
-        self._common: tuple[bytes, float] = b"", 0.0
+        self._common = CommonStart(b"", 0.0)
 
     def walk(
         self,
@@ -113,9 +114,11 @@ class PathsInLanes:
             return Paths(q.copy(), np.zeros(0), np.zeros(0, dtype=bool))
         found, share = (np.empty(q.shape), np.empty(len(q))) if ends is None else ends
         walk = self._walks.take()
-        paths = PathsToWalk(q, displacement, target, found, share, design, following)
-        at_one = not q.strides[0] and design is None
-        walk.take(paths, most_steps, FEW, LONG, self._inverse_at(q[0]) if at_one else 0.0)
+        start: Array | CommonStart = q
+        if not q.strides[0]:
+            start = self._common_at(q[0]) if design is None else CommonStart(q[0].tobytes(), 0.0)
+        paths = PathsToWalk(start, displacement, target, found, share, design, following)
+        walk.take(paths, most_steps)
         more = walk.set_out(_LANE_STEPS_AT_ONCE)
         go_on()
         while more:
@@ -123,7 +126,7 @@ class PathsInLanes:
             go_on()
         if walk.all_arrived:
             self._put_back(walk)
-            return Paths(found, share, _all_of(len(q)), all_arrived=True)
+            return Paths(found, share, _all_of(len(q)), True)
         end = walk.end[: len(q)].copy()
         if displacement is None:
             displacement = walk.ways[: len(q)].copy()
@@ -138,16 +141,22 @@ class PathsInLanes:
         self._walks.put_back(walk)
 
     def _another_walk(self) -> KernelWalk:
-        return KernelWalk(self._library, self._machine, self._tapes, self._compiled)
+        return KernelWalk(
+            self._library, self._machine, self._tapes, self._compiled, few=FEW, patience=LONG
+        )
+
+    def _common_at(self, q: Array) -> CommonStart:
+        """Return what is known of one start (nq,): the same value as long as it is the same."""
+        known, numbers = self._common, q.tobytes()
+        if known.q != numbers:  # threads may each find it
+            known = self._common = CommonStart(numbers, self._inverse_at(q))
+        return known
 
     def _inverse_at(self, q: Array) -> float:
         """Return how large the inverse of K* is, 0 where the programs have it on some columns."""
-        partition, whose = self._problem.partition, q.tobytes()
+        partition = self._problem.partition
         if not 0 < partition.passive_rank == partition.passive.size:
             return 0.0
-        known = self._common
-        if known[0] != whose:  # threads may each find it
-            factors = closed_point(self._problem, q.copy()).factors
-            smallest = float(factors.singular_values[partition.passive_rank - 1])
-            known = self._common = whose, 1.0 / smallest if smallest > 0.0 else 0.0
-        return known[1]
+        factors = closed_point(self._problem, q.copy()).factors
+        smallest = float(factors.singular_values[partition.passive_rank - 1])
+        return 1.0 / smallest if smallest > 0.0 else 0.0

@@ -47,7 +47,8 @@ typedef struct {
     int64_t arrived; /* paths at their targets */
     double *q, *gap, *share;
     int64_t *iterations, *end;
-    int (*follow)(void *given); /* what is done as soon as all have arrived; NULL: nothing */
+    /* What is done with all q as soon as all have arrived; NULL: nothing. */
+    int (*follow)(void *given, const double *q, int64_t count);
     void *given;
 } Walk;
 

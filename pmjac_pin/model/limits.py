@@ -18,6 +18,7 @@ from pmjac_pin.values.checks import LARGEST
 
 #: What an error says of the switch that lets a file's poses be beyond their limits.
 SWITCH = "; enforce_limits=False takes it all the same"
+_FLAGS = (bool, np.bool_)
 _AN_ANGLE = 3.0 * math.pi  # rad: larger ones are turns, or degrees
 
 
@@ -145,7 +146,7 @@ def enforced(given: object) -> str:
     ArgumentError
         Not True, False or "all".
     """
-    if isinstance(given, bool | np.bool_):
+    if isinstance(given, _FLAGS):
         return "motors" if given else "none"
     if isinstance(given, str) and given == "all":
         return given

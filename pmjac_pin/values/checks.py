@@ -17,6 +17,7 @@ LARGEST = 1e9
 #: m, of what must not be zero: its square must not vanish beside rounding.
 SMALLEST = 1e-9
 
+_DOUBLE = np.dtype(np.float64)  # NumPy asks a type for its own, each time
 _WITHOUT_NAMES = (np.ndarray, float, int, list, tuple)
 
 
@@ -59,7 +60,7 @@ def real_numbers(given: object, what: str) -> Array:
 
 def seen_rows(given: object, what: str) -> Array:
     """Return what `real_numbers` does: the caller's own array where that holds doubles already."""
-    if type(given) is np.ndarray and given.dtype == np.float64 and given.flags.aligned:
+    if type(given) is np.ndarray and given.dtype == _DOUBLE and given.flags.aligned:
         return given
     return real_numbers(given, what)
 
