@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import math
 from bisect import bisect_right
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from itertools import repeat
-from typing import TypeAlias
+from itertools import chain
 
 import numpy as np
 from numpy.typing import NDArray
@@ -81,7 +79,8 @@ class Tape:
 class _Writer:
     """Writes a tape: slots are used again as soon as what they hold has been used.
 
-    What instructions take has numbers: terms their index, constants those behind them.
+    How many constants there are is known in the end. So slots count from the first behind these,
+    and constants backwards from −1, until all is written.
     """
 
     def __init__(
@@ -95,27 +94,29 @@ class _Writer:
         self._uses = uses(recording, [x.index for x in outputs if isinstance(x, Term)])
         self._products = self._fused()
         self._constants: dict[float, int] = {}
-        self._stores = [0] * len(outputs)  # the instruction by which each is there
         self._code: list[int] = []
+        self._stores = [0] * len(outputs)  # the instruction by which each is there
 
     def tape(self) -> Tape:
-        steps = [self._step(term) for term in self._computed()]
-        shown = [
-            (number, self._constant(output))
-            for number, output in enumerate(self._outputs)
-            if not isinstance(output, Term)
-        ]
-        for number, slot in shown:
-            self._store(number, slot)
-        slots = self._write(steps)
+        shown = [number for number, x in enumerate(self._outputs) if not isinstance(x, Term)]
+        slots = self._write(self._computed(), len(shown))
+        first = [self._store(number, self._constant(self._outputs[number])) for number in shown]
+        for place, number in enumerate(shown):
+            self._stores[number] = place
         return Tape(
-            code=read_only(np.array(self._code, dtype=np.int32).reshape(-1, 5)),
+            code=read_only(self._numbered([*chain(*first), *self._code])),
             constants=read_only(np.array(list(self._constants), dtype=float)),
-            slots=slots,
+            slots=len(self._constants) + slots,
             inputs=len(self._recording.inputs),
             outputs=len(self._outputs),
             stages=tuple(1 + max(self._stores[:count], default=-1) for count in self._stages),
         )
+
+    def _numbered(self, written: Sequence[int]) -> NDArray[np.int32]:
+        """Return the instructions, constants in the first slots."""
+        code = np.array(written, dtype=np.int32).reshape(-1, 5)
+        slots = np.where(code < 0, ~code, code + len(self._constants))
+        return np.where(_IS_SLOT[code[:, 0]], slots, code).astype(np.int32)
 
     def places(self) -> list[tuple[int, int, int]]:
         """Return which operands of the terms that are computed the constants are."""
@@ -164,70 +165,72 @@ class _Writer:
                         found[x.index] = stage
         return found
 
-    def _step(self, term: Term) -> _Step:
-        """Return an instruction, the term that it computes, and what it takes."""
-        name: str = term.operation
-        operands = term.operands
-        if name == "input":
-            return _LOAD, term.index, [int(operands[0])]  # type: ignore[arg-type]
-        if (product := self._products.get(term.index)) is not None:
-            first, second = operands
-            other = second if first is product else first
-            name = "muladd" if name == "+" else "mulsub" if first is product else "submul"
-            operands = (*product.operands, other)
-        count = len(self._uses)
-        taken = [x.index if isinstance(x, Term) else count + self._constant(x) for x in operands]
-        return _NUMBER[name], term.index, taken
-
-    def _write(self, steps: Iterable[_Step]) -> int:
-        """Write the steps; return how many slots they take, those of constants among them."""
-        code, targets, free, count = self._code, self._targets, list[int](), len(self._constants)
-        slot = [*repeat(0, len(self._uses)), *range(count)]
-        left = [*self._uses, *repeat(math.inf, count)]
+    def _write(self, terms: Iterable[Term], before: int) -> int:
+        """Write what computes terms, behind some other instructions; return how many slots."""
+        code, targets, free, count = self._code, self._targets, list[int](), 0
+        slot, left = [0] * len(self._uses), self._uses.copy()
         for index, numbers in targets.items():
             left[index] -= len(numbers)  # what is stored is so at once
-        for number, term, sources in steps:
-            slots = sources
+        for term in terms:
+            index, (number, operands) = term.index, self._instruction(term)
+            taken = [x.index for x in operands if isinstance(x, Term)]
+            slots = operands  # of an input its number
             if number != _LOAD:
-                slots = [slot[x] for x in sources]
-                for x in sources:
-                    left[x] -= 1
-                for x in sources:  # a sum goes on in its own slot, the last that is freed
-                    if not left[x]:
-                        left[x] = _FREED
-                        free.append(slot[x])
+                slots = [
+                    slot[x.index] if isinstance(x, Term) else self._constant(x) for x in operands
+                ]
+            for x in taken:
+                left[x] -= 1
+            for x in taken:  # a sum goes on in its own slot, the last that is freed
+                if not left[x]:
+                    left[x] = _FREED
+                    free.append(slot[x])
             if free:
                 own = free.pop()
             else:
                 own = count
                 count += 1
-            slot[term] = own
+            slot[index] = own
             code += (number, own, *slots, *_NOTHING[len(slots) :])
-            if term in targets:
-                for output in targets[term]:
-                    self._store(output, own)
-                if not left[term]:
+            if index in targets:
+                for output in targets[index]:
+                    self._stores[output] = before + len(code) // 5
+                    code += self._store(output, own)
+                if not left[index]:
                     free.append(own)
         return count
 
-    def _store(self, output: int, slot: int) -> None:
-        self._stores[output] = len(self._code) // _WIDTH
-        self._code += (_STORE, output, slot, 0, 0)
+    def _instruction(self, term: Term) -> tuple[int, Sequence[Operand]]:
+        operation, operands = term.operation, term.operands
+        if (product := self._products.get(term.index)) is None:
+            return _NUMBER[operation], operands
+        first, second = operands
+        other = second if first is product else first
+        name = "muladd" if operation == "+" else "mulsub" if first is product else "submul"
+        return _NUMBER[name], (*product.operands, other)
+
+    def _store(self, output: int, slot: int) -> tuple[int, ...]:
+        return _NUMBER["store"], output, slot, 0, 0
 
     def _constant(self, number: float) -> int:
-        """Return the slot of a constant."""
-        return self._constants.setdefault(float(number), len(self._constants))
+        return ~self._constants.setdefault(float(number), len(self._constants))
 
 
 _NUMBER = {name: number for number, name in enumerate(INSTRUCTIONS)}
-_LOAD, _STORE = _NUMBER["load"], _NUMBER["store"]
+_NUMBER["input"] = _NUMBER["load"]
+_LOAD = _NUMBER["load"]
 _SUMS = frozenset("+-")
-_WIDTH = 5  # of an instruction
 _NOTHING = (0, 0, 0)  # in place of operands
 _FREED = -1
-
-#: An instruction, the term that it computes, and what it takes.
-_Step: TypeAlias = tuple[int, int, Sequence[int]]
+_TAKES = {"load": 0, "store": 1, "neg": 1, "sin": 1, "cos": 1, "sqrt": 1, "abs": 1, "round": 1}
+_TAKES |= {"muladd": 3, "mulsub": 3, "submul": 3}  # slots, and others two
+#: Which numbers of an instruction are slots.
+_IS_SLOT = np.array(
+    [
+        [False, name != "store", *(place < _TAKES.get(name, 2) for place in range(3))]
+        for name in INSTRUCTIONS
+    ]
+)
 
 
 def uses(recording: Recording, targets: Iterable[int]) -> list[int]:
