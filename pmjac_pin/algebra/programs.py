@@ -72,6 +72,11 @@ class Recording:
             self.terms.append(found)
         return found
 
+    def forget(self) -> None:
+        """Let all terms go, which know their recording, so that their memory is free at once."""
+        self.terms, self.inputs = [], ()
+        self._known.clear()
+
 
 class Term:
     """A number of a program.
