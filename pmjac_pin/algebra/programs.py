@@ -116,7 +116,8 @@ class Term:
                 return self - other.operands[0]
             if self.operation == "neg":
                 return other - self.operands[0]
-            return self._in_one_order("+", other)
+            older, newer = (self, other) if self.index <= other.index else (other, self)
+            return self.recording.term("+", older, newer)
         if other == 0.0:
             return self
         if other < 0.0:
@@ -150,7 +151,8 @@ class Term:
                 return -(self.operands[0] * other)
             if other.operation == "neg":
                 return -(self * other.operands[0])
-            return self._in_one_order("*", other)
+            older, newer = (self, other) if self.index <= other.index else (other, self)
+            return self.recording.term("*", older, newer)
         if other in _NOTHING_TO_DO:
             return 0.0 if other == 0.0 else self if other == 1.0 else -self
         if self.operation == "neg":
@@ -160,12 +162,6 @@ class Term:
         return self.recording.term("*", float(other), self)
 
     __rmul__ = __mul__
-
-    def _in_one_order(self, operation: Operation, other: Term) -> Term:
-        """Return the term of operands that may be exchanged: the older one first."""
-        if self.index <= other.index:
-            return self.recording.term(operation, self, other)
-        return self.recording.term(operation, other, self)
 
     def __abs__(self) -> Any:
         return self.recording.term("abs", self)

@@ -173,14 +173,14 @@ class _Writer:
             left[index] -= len(numbers)  # what is stored is so at once
         for term in terms:
             index, (number, operands) = term.index, self._instruction(term)
-            taken = [x.index for x in operands if isinstance(x, Term)]
-            slots = operands  # of an input its number
-            if number != _LOAD:
-                slots = [
-                    slot[x.index] if isinstance(x, Term) else self._constant(x) for x in operands
-                ]
-            for x in taken:
-                left[x] -= 1
+            slots, taken = [], []
+            for x in operands:
+                if isinstance(x, Term):
+                    taken.append(x.index)
+                    slots.append(slot[x.index])
+                    left[x.index] -= 1
+                else:  # of an input its number
+                    slots.append(x if number == _LOAD else self._constant(x))
             for x in taken:  # a sum goes on in its own slot, the last that is freed
                 if not left[x]:
                     left[x] = _FREED
