@@ -26,8 +26,6 @@ Operation = Literal[
 #: What an operation is of: terms, doubles, or the number of an input.
 Operand = Union["Term", float, int]
 
-_NOTHING_TO_DO = (0.0, 1.0, -1.0)  # for a product
-
 
 class Recording:
     """The terms of a program, in an order in which they can be computed.
@@ -111,13 +109,16 @@ class Term:
         return self.recording.term("neg", self)
 
     def __add__(self, other: Any) -> Any:
-        if isinstance(other, Term):
-            if other.operation == "neg":
-                return self - other.operands[0]
-            if self.operation == "neg":
-                return other - self.operands[0]
-            older, newer = (self, other) if self.index <= other.index else (other, self)
-            return self.recording.term("+", older, newer)
+        if not isinstance(other, Term):
+            return self._plus_double(other)
+        if other.operation == "neg":
+            return self - other.operands[0]
+        if self.operation == "neg":
+            return other - self.operands[0]
+        older, newer = (self, other) if self.index <= other.index else (other, self)
+        return self.recording.term("+", older, newer)
+
+    def _plus_double(self, other: float) -> Any:
         if other == 0.0:
             return self
         if other < 0.0:
@@ -146,14 +147,17 @@ class Term:
         return -(self - other)
 
     def __mul__(self, other: Any) -> Any:
-        if isinstance(other, Term):
-            if self.operation == "neg":
-                return -(self.operands[0] * other)
-            if other.operation == "neg":
-                return -(self * other.operands[0])
-            older, newer = (self, other) if self.index <= other.index else (other, self)
-            return self.recording.term("*", older, newer)
-        if other in _NOTHING_TO_DO:
+        if not isinstance(other, Term):
+            return self._times_double(other)
+        if self.operation == "neg":
+            return -(self.operands[0] * other)
+        if other.operation == "neg":
+            return -(self * other.operands[0])
+        older, newer = (self, other) if self.index <= other.index else (other, self)
+        return self.recording.term("*", older, newer)
+
+    def _times_double(self, other: float) -> Any:
+        if other in (0.0, 1.0, -1.0):
             return 0.0 if other == 0.0 else self if other == 1.0 else -self
         if self.operation == "neg":
             return -(self.operands[0] * other)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from bisect import bisect_right
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from itertools import chain
 
 import numpy as np
 from numpy.typing import NDArray
@@ -98,13 +97,14 @@ class _Writer:
         self._stores = [0] * len(outputs)  # the instruction by which each is there
 
     def tape(self) -> Tape:
-        shown = [number for number, x in enumerate(self._outputs) if not isinstance(x, Term)]
-        slots = self._write(self._computed(), len(shown))
-        first = [self._store(number, self._constant(self._outputs[number])) for number in shown]
-        for place, number in enumerate(shown):
-            self._stores[number] = place
+        doubles = [(k, x) for k, x in enumerate(self._outputs) if not isinstance(x, Term)]
+        slots = self._write(self._computed(), len(doubles))
+        first: list[int] = []
+        for place, (output, double) in enumerate(doubles):
+            self._stores[output] = place
+            first += self._store(output, self._constant(double))
         return Tape(
-            code=read_only(self._numbered([*chain(*first), *self._code])),
+            code=read_only(self._numbered(first + self._code)),
             constants=read_only(np.array(list(self._constants), dtype=float)),
             slots=len(self._constants) + slots,
             inputs=len(self._recording.inputs),
@@ -173,14 +173,14 @@ class _Writer:
             left[index] -= len(numbers)  # what is stored is so at once
         for term in terms:
             index, (number, operands) = term.index, self._instruction(term)
-            slots, taken = [], []
+            slots, taken = list[int](), list[int]()
             for x in operands:
                 if isinstance(x, Term):
                     taken.append(x.index)
                     slots.append(slot[x.index])
                     left[x.index] -= 1
                 else:  # of an input its number
-                    slots.append(x if number == _LOAD else self._constant(x))
+                    slots.append(int(x) if number == _LOAD else self._constant(x))
             for x in taken:  # a sum goes on in its own slot, the last that is freed
                 if not left[x]:
                     left[x] = _FREED

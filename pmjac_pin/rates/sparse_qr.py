@@ -55,7 +55,9 @@ class Triangle:
             waiting.remove(column)
             columns.append(column)
             rows.append(used[0])
-        return cls(np.array(reduced, dtype=object).reshape(matrix.shape), tuple(columns), tuple(rows))
+        return cls(
+            np.array(reduced, dtype=object).reshape(matrix.shape), tuple(columns), tuple(rows)
+        )
 
     @property
     def left_over(self) -> list[int]:
