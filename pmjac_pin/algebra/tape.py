@@ -132,7 +132,7 @@ class _Writer:
         """Return of sums the product that is computed with them, and used by nothing else."""
         counts, found = self._uses, dict[int, Term]()
         for term, count in zip(self._recording.terms, counts, strict=True):
-            if count and term.operation in _SUMS:
+            if count and term.operation in _ADDITIVE:
                 for x in term.operands:
                     if isinstance(x, Term) and x.operation == "*" and counts[x.index] == 1:
                         found[term.index] = x
@@ -191,7 +191,7 @@ class _Writer:
                 own = count
                 count += 1
             slot[index] = own
-            code += (number, own, *slots, *_NOTHING[len(slots) :])
+            code += (number, own, *slots, *_NO_OPERANDS[len(slots) :])
             if index in targets:
                 for output in targets[index]:
                     self._stores[output] = before + len(code) // 5
@@ -219,17 +219,22 @@ class _Writer:
 _NUMBER = {name: number for number, name in enumerate(INSTRUCTIONS)}
 _NUMBER["input"] = _NUMBER["load"]
 _LOAD = _NUMBER["load"]
-_SUMS = frozenset("+-")
-_NOTHING = (0, 0, 0)  # in place of operands
+_ADDITIVE = frozenset("+-")
+_NO_OPERANDS = (0, 0, 0)  # in place of operands
 _FREED = -1
-_TAKES = {"load": 0, "store": 1, "neg": 1, "sin": 1, "cos": 1, "sqrt": 1, "abs": 1, "round": 1}
-_TAKES |= {"muladd": 3, "mulsub": 3, "submul": 3}  # slots, and others two
+_OF_ONE = frozenset({"store", "neg", "sin", "cos", "sqrt", "abs", "round"})
+
+
+def _slots_read(name: str) -> int:
+    """Return how many of an instruction's operands are slots."""
+    if name in INSTRUCTIONS[-3:]:
+        return 3
+    return 0 if name == "load" else 1 if name in _OF_ONE else 2
+
+
 #: Which numbers of an instruction are slots.
 _IS_SLOT = np.array(
-    [
-        [False, name != "store", *(place < _TAKES.get(name, 2) for place in range(3))]
-        for name in INSTRUCTIONS
-    ]
+    [[False, name != "store", *(np.arange(3) < _slots_read(name))] for name in INSTRUCTIONS]
 )
 
 

@@ -85,10 +85,12 @@ class Batch:
         installed.
     """
 
+    _last_guess: tuple[Configuration | None, Array, Array] = (None, np.empty(0), np.empty((0, 0)))
+
     def __init__(self, mechanism: Mechanism, *, compiled: bool = False) -> None:
         self.mechanism = mechanism
-        # Where paths begin, unless told. Seen first: with programs of many poses there, a single
-        # one has its own recorded.
+        # Where paths begin, unless told: seen before there are programs of many poses, with which
+        # the next single one has its own recorded.
         home = mechanism.home
         self._last_guess = home, home.q, np.broadcast_to(home.q, (1, home.q.size))
         programs = None

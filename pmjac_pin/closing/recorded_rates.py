@@ -22,7 +22,7 @@ from pmjac_pin.algebra.tape import Tape
 from pmjac_pin.closing.closure_problem import ClosureProblem
 from pmjac_pin.closing.recorded_idle import IdleColumn, idle_columns, idle_motions, smallest
 from pmjac_pin.kinematics.joint_steps import entry_rates, moved_by
-from pmjac_pin.kinematics.recorded import RecordedKinematics, RecordedLoops, Recorder
+from pmjac_pin.kinematics.recorded import RecordedKinematics, RecordedRows, Recorder
 from pmjac_pin.model.twist_frame import FrameName, change_frame
 from pmjac_pin.rates.partition import Partition
 from pmjac_pin.rates.sparse_qr import Triangle, norm
@@ -122,7 +122,7 @@ class RecordedRates:
         scaled: Numbers = rates * scale
         return scaled
 
-    def gap(self, kinematics: RecordedLoops) -> Any:
+    def gap(self, kinematics: RecordedRows) -> Any:
         """Return how far the loops are open, m.
 
         Where tilts or turns vanish at half a turn, by mistake, that is a length.

@@ -27,7 +27,7 @@ from pmjac_pin.values.arrays import Array
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class RecordedLoops:
+class RecordedRows:
     """Terms over the entries of q; what is zero by structure is the double 0.
 
     Attributes
@@ -45,7 +45,7 @@ class RecordedLoops:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class RecordedKinematics(RecordedLoops):
+class RecordedKinematics(RecordedRows):
     """The same with the tool.
 
     Attributes
@@ -114,7 +114,7 @@ class Recorder:
         self._names = spec.tool.names
         self.nq, self.nv = model.nq, model.nv
 
-    def loops_at(self, q: Sequence[Term]) -> RecordedLoops:
+    def loops_at(self, q: Sequence[Term]) -> RecordedRows:
         """Record the loops at entries of q, where nobody asks for the tool."""
         return self._loops_at(_poses_at(self._loops.tree, q), q)
 
@@ -137,8 +137,8 @@ class Recorder:
             turned=tuple((rows, axes[..., 0]) for rows, axes in turned),
         )
 
-    def _loops_at(self, poses: Poses, q: Sequence[Term]) -> RecordedLoops:
-        return RecordedLoops(*_loop_rows(self._loops, poses, objects(q), self.nv))
+    def _loops_at(self, poses: Poses, q: Sequence[Term]) -> RecordedRows:
+        return RecordedRows(*_loop_rows(self._loops, poses, objects(q), self.nv))
 
     def motions(self, q: Sequence[Term], frames: Sequence[Frame]) -> list[FrameMotion]:
         """Record where frames are at entries of q, and how they move."""
