@@ -23,22 +23,25 @@ PACKAGE = Path("pmjac_pin")
 # By its file: the package needs more than there is when it is built.
 COMPILERS = runpy.run_path(str(Path(__file__).parent / PACKAGE / "algebra" / "c_compilers.py"))
 LANES, TAPES = Path("algebra", "lanes.h"), Path("algebra", "tape_kernel.c")
+PROGRAMS = (Path("algebra", "lane_programs.h"), TAPES, LANES)
 VALUES, PATHS = Path("algebra", "singular_values.c"), Path("closing", "path_kernel.c")
 STARTS, WALK = Path("closing", "starts.h"), Path("closing", "walk.h")
 MANY_PATHS = Path("closing", "many_paths.c")
 RATES, RADII = Path("batches", "many_rates.c"), Path("rates", "many_radii.c")
 CURVES = Path("studies", "homotopy", "curve_kernel.c")
 MODES, INTERVALS = Path("studies", "modes"), Path("algebra", "interval_tape.c")
+DESCENT = MODES / "descent_kernel.c"
 PRUNING = (MODES / "pruning_kernel.c", MODES / "boxes_in_lanes.h", MODES / "narrowing.h")
 #: What is compiled, and what it includes, by what is built of it.
 KERNELS = {
     "algebra/_tape_kernel.so": (TAPES, LANES),
     "algebra/_singular_values.so": (VALUES, LANES),
-    "closing/_path_kernel.so": (PATHS, STARTS, WALK, TAPES, LANES),
-    "closing/_many_paths.so": (MANY_PATHS, PATHS, STARTS, WALK, TAPES, LANES),
-    "batches/_many_rates.so": (RATES, WALK, TAPES, LANES),
+    "closing/_path_kernel.so": (PATHS, STARTS, WALK, *PROGRAMS),
+    "closing/_many_paths.so": (MANY_PATHS, PATHS, STARTS, WALK, *PROGRAMS),
+    "batches/_many_rates.so": (RATES, *PROGRAMS),
     "rates/_many_radii.so": (RADII, VALUES, LANES),
     "studies/homotopy/_curve_kernel.so": (CURVES, TAPES, LANES),
+    "studies/modes/_descent_kernel.so": (DESCENT, *PROGRAMS),
     "studies/modes/_pruning_kernel.so": (*PRUNING, INTERVALS, TAPES, LANES),
 }
 # No function's error number is asked for, and no exception is trapped: else roots stay scalar. No

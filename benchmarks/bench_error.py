@@ -64,7 +64,7 @@ def main() -> int:
         home = pj.load(name).home
         home.jacobian()
         times = [
-            1e6 * min(timeit.repeat(ask, number=20, repeat=5)) / 20
+            1e6 * float(np.median(timeit.repeat(ask, number=20, repeat=5))) / 20
             for ask in (home.jacobian, lambda home=home: home.jacobian().error_estimate)
         ]
         print(f"{name:14}{times[0]:13.0f}{times[1]:29.0f}")

@@ -2,25 +2,33 @@
 
 Both sides run in turn in one process; ratios are what counts. SciPy solves η(q ⊕ v) = 0 for the
 passive v with Levenberg–Marquardt (there may be more equations than unknowns) and stops as soon
-as it has met as many modes as the search found, or when its time is up.
+as it has met as many modes as the search found, or when its time is up. The same starts descend by
+recorded programs, in lanes of a kernel, and by NumPy, all poses at once.
 """
 
 from __future__ import annotations
 
 import sys
 import time
+from statistics import median
+from unittest import mock
 
 import numpy as np
 import pinocchio as pin
 from scipy.optimize import root
 
 import pmjac_pin as pj
+from pmjac_pin.studies.modes import descents_in_lanes
+from pmjac_pin.studies.modes.search import ManyClosures
+from pmjac_pin.studies.modes.search_problem import home_with, search_problem
+from pmjac_pin.studies.modes.starts import StartSpace
 
 PATIENCE = 30.0  # seconds for SciPy
 CASES = {
     "three_rps_ss": [2 / 3, 3 / 5, 3 / 4],
     "three_rps": [2 / 3, 3 / 5, 3 / 4],
     "stewart_gough_dietmaier": None,
+    "delta": None,
 }
 
 
@@ -82,6 +90,30 @@ def search(
     return modes, time.perf_counter() - begin
 
 
+def descents(mechanism: pj.Mechanism, theta: np.ndarray) -> str:
+    """Return how many starts descend in a second, by the programs and by NumPy, in turn."""
+    problem = search_problem(mechanism, home_with(mechanism, theta))
+    space = StartSpace.of(problem, limits=False)
+    starts = space.draw(np.random.default_rng(0), 2048)
+    recorded, plain = (ManyClosures(problem, space.strides(problem)) for _ in range(2))
+    begin = time.perf_counter()
+    recorded.ends(starts[:1])
+    first = time.perf_counter() - begin
+    with mock.patch.object(descents_in_lanes, "descent_kernel", return_value=None):
+        plain.ends(starts[:64])
+    times: list[list[float]] = [[], []]
+    for _ in range(5):
+        for closures, spent in zip((recorded, plain), times, strict=True):
+            begin = time.perf_counter()
+            closures.ends(starts)
+            spent.append(time.perf_counter() - begin)
+    rates = [len(starts) / median(spent) for spent in times]
+    told = (
+        f"{rates[0]:.0f} starts a second, {rates[1]:.0f} by NumPy, ratio {rates[0] / rates[1]:.0f}"
+    )
+    return f"{told}; recorded in {first:.3f} s"
+
+
 def main() -> int:
     print("Assembly modes, with limits left aside, and what it rests on that these are all.")
     for name, values in CASES.items():
@@ -94,6 +126,7 @@ def main() -> int:
         rate, hand = bound.starts / whole, solves / theirs
         print(f"{name}: {len(modes)} in {elapsed:.3f} s, {modes.evidence.kind}")
         print(f"    {first.starts} starts alone: {len(first)} in {soon:.3f} s")
+        print(f"    descents: {descents(mechanism, theta)}")
         print(f"    until the bound is met: {len(bound)} in {whole:.3f} s", end="; ")
         print(f"{rate:.0f} starts a second")
         print(f"    SciPy, told that there are {len(modes)}: {met} in {theirs:.2f} s", end="; ")

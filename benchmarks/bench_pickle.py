@@ -16,6 +16,7 @@ os.environ["OPENBLAS_NUM_THREADS"] = "1"
 import pickle
 import time
 from collections.abc import Callable
+from statistics import median
 
 import numpy as np
 from recording import recorded, unrecorded
@@ -45,7 +46,7 @@ def forget() -> None:
 
 
 def milliseconds(calls: dict[str, Callable[[], object]]) -> dict[str, float]:
-    """Return the least of what each call takes, in turns."""
+    """Return the median of what each call takes, in turns."""
     taken: dict[str, list[float]] = {name: [] for name in calls}
     for _ in range(ROUNDS):
         for name, call in calls.items():
@@ -53,7 +54,7 @@ def milliseconds(calls: dict[str, Callable[[], object]]) -> dict[str, float]:
             start = time.process_time()
             call()
             taken[name].append(1e3 * (time.process_time() - start))
-    return {name: min(times) for name, times in taken.items()}
+    return {name: median(times) for name, times in taken.items()}
 
 
 def measured(name: str) -> tuple[dict[str, float], int]:

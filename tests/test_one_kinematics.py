@@ -18,6 +18,7 @@ from pmjac_pin.algebra.floats import Floats
 from pmjac_pin.algebra.intervals import Intervals
 from pmjac_pin.algebra.polynomials import Polynomials, symbols
 from pmjac_pin.algebra.programs import Programs, Recording, Term
+from pmjac_pin.algebra.rooted_programs import RootedPrograms
 from pmjac_pin.algebra.series import SeriesAlgebra
 from pmjac_pin.kinematics.loop_system import LoopSystem
 from pmjac_pin.kinematics.loops import Loops, by_twists, riding
@@ -255,9 +256,9 @@ def _evaluated(polynomial, point):
     )
 
 
-def by_programs(loops, model, q, way):
+def by_programs(loops, model, q, programs, way):
     """Recorded over the entries of q, and then run term by term."""
-    programs, recording = Programs(), Recording(model.nq)
+    recording = Recording(model.nq)
     entries = programs.numbers(recording.inputs)
 
     def motion(link):
@@ -284,6 +285,8 @@ def run(recording, q):
         "/": lambda x, y: x / y,
         "sqrt": np.sqrt,
         "atan2": np.arctan2,
+        "max": np.maximum,
+        "copysign": np.copysign,
         "round": np.round,
         "sin": np.sin,
         "cos": np.cos,
@@ -308,12 +311,19 @@ NUMBERS = {
     "balls, twists": lambda *case: by_balls(*case, by_twists),
     "balls, riding": lambda *case: by_balls(*case, riding),
     "polynomials, riding": by_polynomials,
-    "programs, twists": lambda *case: by_programs(*case, by_twists),
-    "programs, riding": lambda *case: by_programs(*case, riding),
+    "programs, twists": lambda *case: by_programs(*case, Programs(), by_twists),
+    "programs, riding": lambda *case: by_programs(*case, Programs(), riding),
+    "rooted programs, twists": lambda *case: by_programs(*case, RootedPrograms(), by_twists),
+    "rooted programs, riding": lambda *case: by_programs(*case, RootedPrograms(), riding),
 }
 
 
-WITH_ROOTS = ("floats, twists", "floats, riding")
+WITH_ROOTS = (
+    "floats, twists",
+    "floats, riding",
+    "rooted programs, twists",
+    "rooted programs, riding",
+)
 
 
 def cases(model, kind, rng):

@@ -26,8 +26,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any, Protocol
 
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from pmjac_pin.values.arrays import Array
 
@@ -92,12 +91,16 @@ class Algebra(Protocol):
 class RootedAlgebra(Algebra, Protocol):
     """An algebra with functions of its numbers."""
 
-    def of(self, function: Function, x: Number) -> Number:
-        """Return a function of each scalar."""
+    def sqrt(self, x: Number) -> Number: ...  # noqa: D102
+    def sin(self, x: Number) -> Number: ...  # noqa: D102
+    def cos(self, x: Number) -> Number: ...  # noqa: D102
+
+    def largest(self, x: Number, y: float) -> Number:
+        """Return the larger of each number and a double."""
         ...
 
-    def replaced(self, where: NDArray[np.bool_], x: Number, by: ArrayLike) -> Number:
-        """Return x, of constant components `by` where the poses (b,) are told."""
+    def replaced(self, x: Number, by: ArrayLike, of: Number, least: float) -> Number:
+        """Return x, of constant components `by` where a scalar is below a double."""
         ...
 
     def rotation_vector(self, rotation: Number) -> Number:
@@ -108,10 +111,10 @@ class RootedAlgebra(Algebra, Protocol):
 class Function(Protocol):
     """A function of one real number."""
 
-    def value(self, x: Array) -> Array:
+    def value(self, algebra: RootedAlgebra, x: Number) -> Number:
         """Return f(x)."""
         ...
 
-    def slope(self, x: Array) -> Array:
+    def slope(self, algebra: RootedAlgebra, x: Number) -> Number:
         """Return f′(x)."""
         ...

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import hashlib
+import warnings
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -11,7 +12,11 @@ from typing import Any
 from numpy.typing import NDArray
 
 _PMJAC_PIN = Path(__file__).parents[1]
-POINTER, COUNT = ctypes.c_void_p, ctypes.c_int64
+POINTER, COUNT, NUMBER = ctypes.c_void_p, ctypes.c_int64, ctypes.c_double
+_OF_OTHER_SOURCES = (
+    "was built from other sources than those beside it and is left aside: NumPy does its work, "
+    "slower, until pmjac_pin is installed again"
+)
 _address_of, _first_byte = ctypes.addressof, ctypes.c_char.from_buffer
 
 
@@ -19,6 +24,9 @@ def loaded(
     built: str | Path, *sources: str | Path, **arguments: Sequence[Any]
 ) -> ctypes.CDLL | None:
     """Return a kernel that was built from some sources, None where there is none.
+
+    One that was built from others is not loaded, with a warning: sources of an editable
+    installation have changed.
 
     Parameters
     ----------
@@ -32,6 +40,7 @@ def loaded(
         library, digest = ctypes.CDLL(str(_PMJAC_PIN / built)), hashlib.sha256(text).hexdigest()
         library.pmjac_source.restype = ctypes.c_char_p
         if library.pmjac_source() != digest.encode():
+            warnings.warn(f"{built} {_OF_OTHER_SOURCES}", RuntimeWarning, stacklevel=2)
             return None
     except (OSError, AttributeError):
         return None

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from pmjac_pin.algebra import Function
 from pmjac_pin.algebra.arrays import Arrays, Numbers
 from pmjac_pin.values.arrays import Array
 
@@ -31,13 +30,9 @@ class Floats(Arrays):
     def __init__(self, rooted: bool = True) -> None:
         self.rooted = rooted
 
-    def of(self, function: Function, x: Numbers) -> Numbers:
-        """Return f(x)."""
-        return function.value(x)
-
-    def replaced(self, where: NDArray[np.bool_], x: Numbers, by: ArrayLike) -> Numbers:
-        """Return x, constant where poses are told."""
-        return np.where(where, self.constant(by), x)
+    def replaced(self, x: Numbers, by: ArrayLike, of: Numbers, least: float) -> Numbers:
+        """Return x, constant where another number is below a double."""
+        return np.where(of < least, self.constant(by), x)
 
     def rotation_vector(self, rotation: Numbers) -> Numbers:
         """Return log R."""

@@ -11,15 +11,14 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from pmjac_pin.algebra import Algebra, Function, Number, RootedAlgebra
 from pmjac_pin.values.arrays import Array
 
 Columns = tuple[int, ...]
 
-_SMALL_ANGLE = 1e-2  # rad: below it a series is as exact
-_HALF_A_TURN = 1e-9  # sine of an angle below which it counts as this much
+_TINY_SINE = 1e-9  # less counts as this much, at no turn and at half a turn
 
 
 class Jet:
@@ -173,26 +172,31 @@ class Jets:
 
     def of(self, function: Function, x: Jet) -> Jet:
         """Return f(x)."""
-        rooted: RootedAlgebra = self.base  # type: ignore[assignment]
-        rates = None if x.rates is None else function.slope(x.value) * x.rates
-        return Jet(self.base, rooted.of(function, x.value), rates, x.columns)
+        value, rates = function.value(self._rooted, x.value), x.rates
+        if rates is not None:
+            rates = function.slope(self._rooted, x.value) * rates
+        return Jet(self.base, value, rates, x.columns)
 
-    def replaced(self, where: NDArray[np.bool_], x: Jet, by: ArrayLike) -> Jet:
-        """Return x with another value where poses are told; its rates stay."""
-        rooted: RootedAlgebra = self.base  # type: ignore[assignment]
-        return Jet(self.base, rooted.replaced(where, x.value, by), x.rates, x.columns)
+    def replaced(self, x: Jet, by: ArrayLike, of: Jet, least: float) -> Jet:
+        """Return x with another value where a scalar is below a double; its rates stay."""
+        value = self._rooted.replaced(x.value, by, of.value, least)
+        return Jet(self.base, value, x.rates, x.columns)
 
     def rotation_vector(self, rotation: Jet) -> Jet:
         """Return log R = f s, with s = ½ vee(R − Rᵀ) of length sin α and f = α / sin α."""
-        rooted: RootedAlgebra = self.base  # type: ignore[assignment]
+        rooted, s = self._rooted, half_skew(self, rotation)
         value = rooted.rotation_vector(rotation.value)
-        s = half_skew(self, rotation)
         if s.rates is None:
             return Jet(self.base, value, None, ())
         trace = rotation[0, 0] + rotation[1, 1] + rotation[2, 2]
-        factor, slope = _angle_by_sine(np.sqrt(self.base.squared(value)))
+        factor, slope = _angle_by_sine(rooted, rooted.sqrt(self.base.squared(value)))
         rates = factor * s.rates + s.value * (0.5 * slope * trace.rates)
         return Jet(self.base, value, rates, s.columns)
+
+    @property
+    def _rooted(self) -> RootedAlgebra:
+        rooted: RootedAlgebra = self.base  # type: ignore[assignment]
+        return rooted
 
     def _by(self, jet: Jet, columns: Columns) -> Number:
         """Return a jet's rates by more freedoms than it depends on."""
@@ -206,13 +210,15 @@ class Jets:
         return self.base.join(parts)
 
 
-def _angle_by_sine(angle: Array) -> tuple[Array, Array]:
-    """Return f = α / sin α and its derivative by cos α; large ones at half a turn."""
-    tiny, small = angle < _SMALL_ANGLE**2, angle < _SMALL_ANGLE
-    sine = np.where(tiny, 1.0, np.maximum(np.sin(angle), _HALF_A_TURN))
-    factor = np.where(tiny, 1.0 + angle**2 / 6.0, angle / sine)
-    slope = -(sine - angle * np.cos(angle)) / sine**3
-    return factor, np.where(small, -1.0 / 3.0 - 2.0 * angle**2 / 15.0, slope)
+def _angle_by_sine(rooted: RootedAlgebra, angle: Number) -> tuple[Number, Number]:
+    """Return f = α / sin α and its derivative by cos α; large ones at half a turn.
+
+    What the derivative loses to rounding at a small α is multiplied by α² wherever it is used.
+    """
+    angle = rooted.largest(angle, _TINY_SINE)
+    sine = rooted.largest(rooted.sin(angle), _TINY_SINE)
+    factor = angle / sine
+    return factor, (factor * rooted.cos(angle) - 1.0) / (sine * sine)
 
 
 def half_skew(algebra: Algebra, rotation: Number) -> Number:

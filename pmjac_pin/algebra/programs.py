@@ -267,12 +267,29 @@ def with_sign(x: Any, of: Any) -> Any:
     return abs(x) * math.copysign(1.0, of)
 
 
+def cosine(x: Any) -> Any:
+    """Return cos x of a term or a double."""
+    return x.recording.term("cos", x) if isinstance(x, Term) else math.cos(x)
+
+
+def sine(x: Any) -> Any:
+    """Return sin x of a term or a double."""
+    return x.recording.term("sin", x) if isinstance(x, Term) else math.sin(x)
+
+
+def angle_of(y: Any, x: Any) -> Any:
+    """Return atan2(y, x) of terms or doubles."""
+    if isinstance(y, Term):
+        return y.recording.term("atan2", y, x)
+    return x.recording.term("atan2", y, x) if isinstance(x, Term) else math.atan2(y, x)
+
+
 _ROOTS = np.frompyfunc(root, 1, 1)
 _MAXIMA = np.frompyfunc(largest, 2, 1)
 _SIGNED = np.frompyfunc(with_sign, 2, 1)
-_COSINES = np.frompyfunc(lambda angle: angle.recording.term("cos", angle), 1, 1)
-_SINES = np.frompyfunc(lambda angle: angle.recording.term("sin", angle), 1, 1)
-_ARCTANGENTS = np.frompyfunc(lambda sine, cosine: sine.recording.term("atan2", sine, cosine), 2, 1)
+_COSINES = np.frompyfunc(cosine, 1, 1)
+_SINES = np.frompyfunc(sine, 1, 1)
+_ARCTANGENTS = np.frompyfunc(angle_of, 2, 1)
 
 
 def objects(entries: Iterable[Any]) -> Numbers:

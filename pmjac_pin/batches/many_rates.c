@@ -4,7 +4,7 @@
  * caller's arrays and a program's lanes. `Certainty` says what is asked of a program's numbers.
  */
 #define LANES 64
-#include "../closing/walk.h"
+#include "../algebra/lane_programs.h"
 #include <float.h>
 
 /* What is asked of the numbers of a program: `certain_jacobians` of `batches/judge.py`. */

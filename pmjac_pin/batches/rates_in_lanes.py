@@ -13,10 +13,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pmjac_pin.algebra.c_kernels import COUNT, POINTER, address, loaded
+from pmjac_pin.algebra.c_kernels import COUNT, NUMBER, POINTER, address, loaded
+from pmjac_pin.algebra.lane_programs import PROGRAM_SOURCES, Memory, ProgramStruct
 from pmjac_pin.algebra.tape import Tape
 from pmjac_pin.closing.kernel_walk import Following
-from pmjac_pin.closing.path_kernel import Memory, ProgramStruct
 from pmjac_pin.closing.recorded_rates import DOUBTS
 from pmjac_pin.rates.many_radii import NOTHING, radii_kernel
 from pmjac_pin.values.arrays import Array, Mask
@@ -24,14 +24,12 @@ from pmjac_pin.values.arrays import Array, Mask
 if TYPE_CHECKING:
     from pmjac_pin.algebra.compiled_programs import CompiledProgram
 
-_Number = ctypes.c_double
-
 
 class CertaintyStruct(ctypes.Structure):
     """`Certainty`."""
 
     _fields_ = tuple(
-        (name, _Number)
+        (name, NUMBER)
         for name in ("tolerance", "weakest", "rank_tolerance", "least_size", "felt", "spread")
     )
 
@@ -148,6 +146,5 @@ class RatesInLanes:
 @cache
 def rates_kernel() -> ctypes.CDLL | None:
     """Return the kernel that was built from the source beside it, None where there is none."""
-    own = ("batches/many_rates.c", "closing/walk.h")
-    tapes = ("algebra/tape_kernel.c", "algebra/lanes.h")
-    return loaded("batches/_many_rates.so", *own, *tapes, pmjac_rates=(POINTER,))
+    sources = ("batches/many_rates.c", *PROGRAM_SOURCES)
+    return loaded("batches/_many_rates.so", *sources, pmjac_rates=(POINTER,))

@@ -9,16 +9,12 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from pmjac_pin.algebra.c_kernels import address
+from pmjac_pin.algebra.lane_programs import Memory
 from pmjac_pin.algebra.tape import Tape
 from pmjac_pin.closing import newton_correction, straight_path
 from pmjac_pin.closing.closed import NO_INVERSE
 from pmjac_pin.closing.closure_problem import ROUNDING, ClosureProblem
-from pmjac_pin.closing.path_kernel import (
-    LaneStruct,
-    MachineStruct,
-    Memory,
-    WalkStruct,
-)
+from pmjac_pin.closing.path_kernel import LaneStruct, MachineStruct, WalkStruct
 from pmjac_pin.closing.step_guard import MARGIN
 from pmjac_pin.model.coordinates import JointCoordinates
 from pmjac_pin.values.arrays import Array, aligned

@@ -22,7 +22,7 @@ from pmjac_pin.values.arrays import Array, Index, Mask
 
 _TINY_VALUE = 1e-9  # of the largest singular value: idle and redundant directions stay alone
 _LEAST_DIVISOR = float(np.finfo(float).tiny)
-_TINY_SQUARE = 1e-12  # of the diagonal of JᵀJ with columns of length one: it has an inverse
+TINY_SQUARE = 1e-12  #: of the diagonal of JᵀJ with columns of length one: it has an inverse
 
 
 class Descent(Protocol):
@@ -141,9 +141,9 @@ def descend(descent: Descent, q: Array, patience: Patience) -> Descended:
         closed = (here.gap <= patience.enough) | here.least
         over = closed | (here.damping >= patience.most)
         over |= here.creeping >= patience.creeping_steps
+        if over.all():
+            return _all_ended([*ended, _ended(here, closed, ~over)])
         if over.any():
-            if over.all():
-                return _all_ended([*ended, _ended(here, closed, ~over)])
             ended.append(_ended(here.only(over), closed[over], ~over[over]))
             here = here.only(~over)
         here = _after_a_step(descent, here, patience, tries)
@@ -202,7 +202,7 @@ def by_normal_equations(rows: Array, error: Array, damping: Array) -> Array:
     across = rows.swapaxes(-1, -2)
     square = across @ rows
     diagonal = np.einsum("...ii->...i", square)
-    diagonal += (damping + _TINY_SQUARE)[..., None]
+    diagonal += (damping + TINY_SQUARE)[..., None]
     return np.asarray(np.linalg.solve(square, across @ error[..., None])[..., 0])
 
 

@@ -12,9 +12,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pinocchio as pin
 
+from pmjac_pin.algebra.lane_programs import ThreadMemory
 from pmjac_pin.algebra.tape import Tape
 from pmjac_pin.closing.closure_problem import ClosureProblem
-from pmjac_pin.closing.path_kernel import ThreadMemory
 from pmjac_pin.closing.recorded_rates import DOUBTS, SPREAD
 from pmjac_pin.model.twist_frame import FrameName, change_frame
 from pmjac_pin.model.unit_turns import UNIT

@@ -3,30 +3,19 @@
 from __future__ import annotations
 
 import ctypes
-import threading
 from functools import cache
-from typing import TYPE_CHECKING
 
-import numpy as np
-
-from pmjac_pin.algebra.c_kernels import COUNT, POINTER, address, loaded
-from pmjac_pin.algebra.tape import Tape
-from pmjac_pin.closing.recorded_step import BOUNDS
-from pmjac_pin.values.arrays import aligned
-
-if TYPE_CHECKING:
-    from pmjac_pin.algebra.compiled_programs import CompiledProgram
+from pmjac_pin.algebra.c_kernels import COUNT, NUMBER, POINTER, loaded
+from pmjac_pin.algebra.lane_programs import PROGRAM_SOURCES, ProgramStruct
 
 _SOURCES = (
     "closing/path_kernel.c",
     "closing/starts.h",
     "closing/walk.h",
-    "algebra/tape_kernel.c",
-    "algebra/lanes.h",
+    *PROGRAM_SOURCES,
 )
 
 _TAKES = (POINTER, COUNT)
-_Number = ctypes.c_double
 
 
 @cache
@@ -50,27 +39,16 @@ def many_paths_kernel() -> ctypes.CDLL | None:
     return loaded("closing/_many_paths.so", *sources, pmjac_set_out=_TAKES, pmjac_walk=_TAKES)
 
 
-class ProgramStruct(ctypes.Structure):
-    """`Program`."""
-
-    _fields_ = (
-        ("code", POINTER),
-        ("length", COUNT),
-        ("stages", COUNT * BOUNDS),
-        *((name, POINTER) for name in ("slots", "inputs", "outputs", "compiled")),
-    )
-
-
 class MachineStruct(ctypes.Structure):
     """`Machine`."""
 
     _fields_ = (
         *((name, COUNT) for name in ("nq", "nv", "motors")),
         *((name, POINTER) for name in ("motor_entries", "motor_circles", "scale")),
-        *((name, _Number) for name in ("tolerance", "enough", "walking", "rank_tolerance")),
-        *((name, _Number) for name in ("least_size", "largest_step", "smallest_step")),
-        *((name, _Number) for name in ("largest_correction", "slowest_contraction")),
-        *((name, _Number) for name in ("no_inverse", "margin", "arrival_tolerance")),
+        *((name, NUMBER) for name in ("tolerance", "enough", "walking", "rank_tolerance")),
+        *((name, NUMBER) for name in ("least_size", "largest_step", "smallest_step")),
+        *((name, NUMBER) for name in ("largest_correction", "slowest_contraction")),
+        *((name, NUMBER) for name in ("no_inverse", "margin", "arrival_tolerance")),
         ("most_corrections", COUNT),
     )
 
@@ -81,8 +59,8 @@ class LaneStruct(ctypes.Structure):
     _fields_ = (
         *((name, COUNT) for name in ("state", "path", "tries", "iterations", "corrections")),
         ("last", COUNT),
-        *((name, _Number) for name in ("share", "next", "stride", "allowed", "before")),
-        *((name, _Number) for name in ("size", "left")),
+        *((name, NUMBER) for name in ("share", "next", "stride", "allowed", "before")),
+        *((name, NUMBER) for name in ("size", "left")),
     )
 
 
@@ -93,7 +71,7 @@ class WalkStruct(ctypes.Structure):
         ("machine", POINTER),
         *((name, ProgramStruct) for name in ("move", "arrival", "leg")),
         *((name, POINTER) for name in ("point", "lanes", "common", "learnt")),
-        ("inverse", _Number),
+        ("inverse", NUMBER),
         *((name, POINTER) for name in ("start", "displacement", "target", "ways", "design")),
         *(
             (name, COUNT)
@@ -104,52 +82,3 @@ class WalkStruct(ctypes.Structure):
         *((name, POINTER) for name in ("q", "gap", "share", "iterations", "end")),
         *((name, POINTER) for name in ("follow", "given")),
     )
-
-
-class Memory:
-    """A tape with numbers to work on, of one thread.
-
-    Parameters
-    ----------
-    tape : Tape
-    lanes : int
-        For how many sets of inputs at a time.
-    compiled : CompiledProgram, optional
-        What computes the same.
-
-    Attributes
-    ----------
-    inputs, outputs : ndarray, shapes (k, lanes)
-    struct : ProgramStruct
-    """
-
-    __slots__ = ("_kept", "inputs", "outputs", "struct")
-
-    def __init__(self, tape: Tape, lanes: int = 1, compiled: CompiledProgram | None = None) -> None:
-        code = np.ascontiguousarray(tape.code, dtype=np.int32)
-        slots = aligned(tape.slots + 1 if compiled is None else compiled.kept + 1, lanes)
-        if compiled is None:
-            slots[: len(tape.constants)] = tape.constants[:, None]
-        self.inputs, self.outputs = aligned(tape.inputs, lanes), aligned(tape.outputs, lanes)
-        self._kept = (code, slots, compiled)
-        self.struct = ProgramStruct(
-            address(code),
-            len(code),
-            tape.stages or (len(code),),
-            *map(address, (slots, self.inputs, self.outputs)),
-            compiled and compiled.stage,
-        )
-
-
-class ThreadMemory(threading.local):
-    """Each thread's own `Memory` of a tape.
-
-    Attributes
-    ----------
-    numbers : (ndarray, ndarray, object)
-        Inputs and outputs, shapes (k,), and what `pmjac_run_once` takes.
-    """
-
-    def __init__(self, tape: Tape) -> None:
-        self._kept = memory = Memory(tape)
-        self.numbers = memory.inputs[:, 0], memory.outputs[:, 0], ctypes.byref(memory.struct)

@@ -6,8 +6,8 @@ import ctypes
 
 import numpy as np
 
+from pmjac_pin.algebra.lane_programs import ThreadMemory
 from pmjac_pin.algebra.tape import Tape
-from pmjac_pin.closing.path_kernel import ThreadMemory
 from pmjac_pin.kinematics.slopes import Slopes
 from pmjac_pin.values.arrays import Array
 

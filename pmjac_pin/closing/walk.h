@@ -1,34 +1,8 @@
 /* What a walk of LANES paths works on, and where all of that is. */
-#include "../algebra/tape_kernel.c"
+#include "../algebra/lane_programs.h"
 #include <string.h>
 
-typedef double Row[LANES]; /* a number of each lane */
-
 #define BOUNDS 3 /* that the leg tells of a step, a stage each */
-
-/* The slots hold the constants from the beginning, and nothing is written over them. Stages end
- * after so many instructions. Where a program is compiled, the slots are what it keeps. */
-typedef struct {
-    const int32_t *code;
-    int64_t length, stages[BOUNDS];
-    Row *slots, *inputs, *outputs;
-    void (*compiled)(
-        int64_t stage, int64_t apart, int64_t lanes, const double *inputs, double *outputs,
-        double *kept);
-} Program;
-
-/* In the first lanes, so many. */
-static void run_stage(const Program *program, int stage, int lanes)
-{
-    const double *inputs = (const double *)program->inputs;
-    double *outputs = (double *)program->outputs;
-    if (program->compiled) {
-        program->compiled(stage, LANES, lanes, inputs, outputs, (double *)program->slots);
-        return;
-    }
-    int64_t from = stage ? program->stages[stage - 1] : 0, length = program->stages[stage] - from;
-    run(program->code + 5 * from, length, program->slots, inputs, LANES, 0, lanes, outputs);
-}
 
 typedef struct {
     int64_t nq, nv, motors;

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from pmjac_pin.algebra.tape import Tape
 
 _FLOATS = Floats()
-_MANY = 2  # poses: one alone does not pay for recording
+_MANY = 64  # poses: few do not pay for recording
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -126,38 +126,42 @@ class ManyLoops:
 
     The rows are those of `Mechanism.rows`, seen from the last body that carries both frames. Many
     go through a recorded program, where there is a kernel that runs it.
+
+    Attributes
+    ----------
+    loops : Loops
     """
 
     def __init__(
         self, model: pin.Model, poses: ManyPoses, loops: Sequence[Loop], values: Mapping[str, float]
     ) -> None:
-        self._loops, self._poses, self._nv = (
-            Loops(model, poses.tree, loops, values),
-            poses,
-            model.nv,
-        )
-        self._nq = model.nq
+        self.loops, self._poses = Loops(model, poses.tree, loops, values), poses
+        self._nq, self._nv = model.nq, model.nv
 
     def evaluate(self, q: Array) -> tuple[Array, Array]:
         """Return η (b, p) and ∂η/∂v (b, p, nv) at each row of q, exact on and off closure."""
         tape = self._tape if len(q) >= _MANY else None
         if tape is None:
             return self._evaluated(q)
-        found, rows = tape_runner.run(tape, q.T), self._loops.count
+        found, rows = tape_runner.run(tape, q.T), self.loops.count
         jacobian = found[rows:].reshape(rows, self._nv, len(q))
         return found[:rows].T.copy(), jacobian.transpose(2, 0, 1).copy()
 
     @found_once
     def _tape(self) -> Tape | None:
-        """The program of the loops, None where there is no kernel or none for these rows."""
-        if tape_runner.tape_kernel() is None or not self._loops.count:
+        """The program of the rows, None where there is no kernel that runs it."""
+        if tape_runner.tape_kernel() is None or not self.loops.count:
             return None
-        from pmjac_pin.kinematics.recorded import recorded_loops  # noqa: PLC0415
+        from pmjac_pin.algebra.programs import Recording  # noqa: PLC0415
+        from pmjac_pin.algebra.tape import Tape  # noqa: PLC0415
+        from pmjac_pin.kinematics.recorded import recorded_rows  # noqa: PLC0415
 
-        return recorded_loops(self._loops, self._nq, self._nv)
+        recording = Recording(self._nq)
+        residual, rates = recorded_rows(self.loops, recording.inputs, self._nv)
+        return Tape.of(recording, [*residual, *rates.ravel()])
 
     def _evaluated(self, q: Array) -> tuple[Array, Array]:
-        poses, loops = self._poses.at(q), self._loops
+        poses, loops = self._poses.at(q), self.loops
         residual = np.empty((loops.count, len(q)))
         jacobian = np.zeros((loops.count, self._nv, len(q)))
         for pair in loops.pairs:

@@ -12,8 +12,8 @@ import pinocchio as pin
 
 from pmjac_pin.algebra.arrays import Numbers
 from pmjac_pin.algebra.jets import Jet
-from pmjac_pin.algebra.programs import PROGRAMS, Recording, Term, objects, root, zeros
-from pmjac_pin.algebra.tape import Tape
+from pmjac_pin.algebra.programs import PROGRAMS, Programs, Term, objects, root, zeros
+from pmjac_pin.algebra.rooted_programs import ROOTED_PROGRAMS
 from pmjac_pin.kinematics.dimensions import Dimensions, Placement
 from pmjac_pin.kinematics.loops import Loops, by_twists
 from pmjac_pin.kinematics.tool import spanned_jacobian, spanned_rotation
@@ -146,24 +146,27 @@ class Recorder:
         return [frame_motion(poses, frame, self.nv, 1) for frame in frames]
 
 
-def recorded_loops(loops: Loops, nq: int, nv: int) -> Tape | None:
-    """Return the program of η and ∂η/∂v, row by row, over the entries of q.
+def recorded_rows(loops: Loops, q: Sequence[Term], nv: int) -> tuple[Numbers, Numbers]:
+    """Record η and ∂η/∂v over the entries of q, tilts and turns as Pinocchio measures them.
 
-    None where there are tilts or turns: their polynomials are not what they are measured by.
+    Parameters
+    ----------
+    loops : Loops
+    q : sequence of Term, length nq
+    nv : int
     """
-    recording = Recording(nq)
-    poses = _poses_at(loops.tree, recording.inputs)
-    residual, rates, cosines = _loop_rows(loops, poses, objects(recording.inputs), nv)
-    return None if cosines.size else Tape.of(recording, [*residual, *rates.ravel()])
+    poses = _poses_at(loops.tree, q, ROOTED_PROGRAMS)
+    residual, rates, _ = _loop_rows(loops, poses, objects(q), nv)
+    return residual, rates
 
 
-def _poses_at(tree: Tree, q: Sequence[Term]) -> Poses:
-    entries = PROGRAMS.numbers(q)
+def _poses_at(tree: Tree, q: Sequence[Term], programs: Programs = PROGRAMS) -> Poses:
+    entries = programs.numbers(q)
 
     def motion(link: Link) -> JointMotion:
-        return link.kind.motion(PROGRAMS, entries[link.entries], link.edge.pitch)
+        return link.kind.motion(programs, entries[link.entries], link.edge.pitch)
 
-    return Poses(tree, PROGRAMS, motion)
+    return Poses(tree, programs, motion)
 
 
 def _loop_rows(loops: Loops, poses: Poses, q: Numbers, nv: int) -> tuple[Numbers, Numbers, Numbers]:

@@ -17,6 +17,7 @@ from typing import ClassVar, Literal, NamedTuple, Protocol
 
 import numpy as np
 
+from pmjac_pin.algebra import Number, RootedAlgebra
 from pmjac_pin.algebra.jets import Jet, Jets, half_skew
 from pmjac_pin.values.arrays import Array
 from pmjac_pin.values.ties import first_smallest
@@ -228,8 +229,7 @@ class Tilt:
         whole = jets.dot(carried, axis)
         aside, above = whole[:2], jets.constant(1.0) + whole[2]
         chord = jets.of(_PerHalfCosine(), above) * aside
-        lost = above.value[0] < HALF_A_TURN
-        return Equations(jets.replaced(lost, chord, [2.0, 0.0]))
+        return Equations(jets.replaced(chord, [2.0, 0.0], above, HALF_A_TURN))
 
     def _frame(self) -> Array:
         return np.vstack([self.across, self.axis])
@@ -238,13 +238,13 @@ class Tilt:
 class _PerHalfCosine:
     """1 / cos(α/2) as a function of 1 + cos α, bounded at half a turn."""
 
-    def value(self, x: Array) -> Array:
+    def value(self, algebra: RootedAlgebra, x: Number) -> Number:
         """Return √(2/x)."""
-        return np.sqrt(2.0 / np.maximum(x, HALF_A_TURN))
+        return algebra.sqrt(2.0 / algebra.largest(x, HALF_A_TURN))
 
-    def slope(self, x: Array) -> Array:
+    def slope(self, algebra: RootedAlgebra, x: Number) -> Number:
         """Return −½ √(2/x) / x."""
-        return np.where(x < HALF_A_TURN, 0.0, -0.5 * self.value(x) / np.maximum(x, HALF_A_TURN))
+        return -0.5 * self.value(algebra, x) / algebra.largest(x, HALF_A_TURN)
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,15 +9,13 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from pmjac_pin.algebra.c_kernels import COUNT, POINTER, address, loaded
+from pmjac_pin.algebra.c_kernels import COUNT, NUMBER, POINTER, address, loaded
 from pmjac_pin.algebra.tape import Tape
 from pmjac_pin.values.arrays import Array, Complex, aligned
 
 _STEPS_IN_A_CALL = 64  # of each lane: some ten milliseconds, in which nothing can interrupt
 _POINTS_OF_MEMORY = 9
 _LANE = 5  # numbers of 8 bytes of a lane, the path first
-
-_Number = ctypes.c_double
 
 
 class StepRules(NamedTuple):
@@ -111,6 +109,6 @@ class _Walk(ctypes.Structure):
         *((name, POINTER) for name in ("points", "share", "planes", "pulls")),
         *((name, COUNT) for name in ("length", "size", "count", "taken")),
         *((name, COUNT) for name in ("most_steps", "corrections")),
-        *((name, _Number) for name in ("first_step", "smallest_step", "arrived")),
-        *((name, _Number) for name in ("close", "exact")),
+        *((name, NUMBER) for name in ("first_step", "smallest_step", "arrived")),
+        *((name, NUMBER) for name in ("close", "exact")),
     )

@@ -65,7 +65,7 @@ class RandomSearch:
         """Try that many further starts."""
         ends = self._closures.ends(self._space.draw(self._rng, count))
         self._unfinished.append(ends)
-        self._meet_near(ends.open)
+        self._meet_near(ends)
         new = self._meet(ends.closed)
         self.starts += count
         if new or not self._question:
@@ -82,7 +82,7 @@ class RandomSearch:
         self.undecided += undecided
         self._in_a_row = max(0, self._in_a_row - undecided)
         for one in ends:
-            self._meet_near(one.open)
+            self._meet_near(one)
             if self._meet(one.closed):
                 self._in_a_row, self._question = 0, self._question + 1
 
@@ -104,10 +104,10 @@ class RandomSearch:
             self.met = self.met.by(Signatures.of(self._problem, np.array(self.met.q)))
         return new
 
-    def _meet_near(self, left: Array) -> None:
+    def _meet_near(self, ends: Ends) -> None:
         """Keep some of the starts that were given up where the loops are nearly closed."""
         if len(self.near.q) < _ENOUGH_NEAR:
-            self.near.add(self._closures.nearly(left)[:_ENOUGH_NEAR])
+            self.near.add(self._closures.nearly(ends)[:_ENOUGH_NEAR])
 
     @property
     def _few_end(self) -> bool:

@@ -10,48 +10,53 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from pmjac_pin.closing.held_motors import ROUNDED_SHARE
 from pmjac_pin.closing.levenberg_marquardt import (
+    Descended,
     Patience,
-    by_normal_equations,
     damped_step,
     descend,
     norms,
     points_at,
 )
+from pmjac_pin.studies.modes.passive_joints import PassiveJoints
 from pmjac_pin.studies.modes.search_problem import SearchProblem
 from pmjac_pin.values.arrays import Array
+from pmjac_pin.values.found_once import found_once
+
+if TYPE_CHECKING:
+    from pmjac_pin.studies.modes.descents_in_lanes import DescentsInLanes
 
 _STEPS_OF_A_START = 60  # of one start
 _CLOSED = 1e-9  # of the characteristic length: two steps of Newton's do the rest
-_FORGOTTEN = 0.3  # of how a joint moved the loops, in one step
 _FALLING = 1e-8  # of itself: a gap within the tolerance that falls less is the least there is
-_IDLE_COLUMN = 1e-6  # of the largest column of K*: one that is smaller moves the loops by nothing
 _STUCK = 1e8  # damping at which a start is given up
 _CREEPING = 1e-4  # of itself: an open gap that falls less in each of so many steps stays open
 _STEPS_PATIENCE = 3
 _STILL_OPEN = 1e-7  # of itself: an open gap that falls less stays open, however patient one is
 _AS_PROMISED = 0.25  # of the fall to first order
+_ONE_STEP = Patience(steps=1, enough=0.0)
 _LAST_STEPS = Patience(steps=2, enough=0.0)
 
 
 class Ends(NamedTuple):
     """Where starts lead to, rows of q.
 
-    `closed` where the loops are, `open` where they were given up at a gap that hardly falls;
-    `spent` where the steps were used up.
+    `closed` where the loops are, `open` where they were given up at gaps `open_by` that hardly
+    fall, m; `spent` where the steps were used up.
     """
 
     closed: Array
     open: Array
+    open_by: Array
     spent: Array
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class ManyClosures:
     """Damped Newton on the passive joints, over many poses.
 
@@ -85,34 +90,50 @@ class ManyClosures:
         a whole step brings them nearer by as much as the loops promise: slides that have far to
         go at a small angle. What is `spent` then has not been decided.
         """
-        return self._ends(np.concatenate([ends.spent, self._falling(ends.open)]), _STILL_OPEN)
+        return self._ends(np.concatenate([ends.spent, self._falling(ends)]), _STILL_OPEN)
 
-    def nearly(self, q: Array) -> Array:
-        """Return the rows of q at which the gap is as small as rounded numbers leave it."""
+    def nearly(self, ends: Ends) -> Array:
+        """Return the open rows at which the gap is as small as rounded numbers leave it."""
+        return np.asarray(ends.open[ends.open_by <= ROUNDED_SHARE * self.problem.length])
+
+    def _descended(self, q: Array, patience: Patience) -> Descended:
+        in_lanes = self._in_lanes
+        if in_lanes is None:
+            return descend(self._joints, q, patience)
+        return in_lanes.descend(q, patience)
+
+    @found_once
+    def _joints(self) -> PassiveJoints:
+        return PassiveJoints(self.problem, self.strides)
+
+    @found_once
+    def _in_lanes(self) -> DescentsInLanes | None:
+        """By the kernel, None where there is none, or no programs."""
+        from pmjac_pin.studies.modes.descents_in_lanes import (  # noqa: PLC0415
+            DescentsInLanes,
+            descent_kernel,
+        )
+        from pmjac_pin.studies.modes.recorded_descent import recorded_descent  # noqa: PLC0415
+
+        if (library := descent_kernel()) is None:
+            return None
+        programs = recorded_descent(self.problem, self.strides)
+        fading = float(self._joints.fading(np.ones(1))[0])
+        return None if programs is None else DescentsInLanes(library, programs, fading)
+
+    def _falling(self, ends: Ends) -> Array:
+        """Return the open rows whose gap falls along an undamped step, as its first order says."""
+        falls = ends.open_by - self._descended(ends.open, _ONE_STEP).gap
+        some = falls > _STILL_OPEN * ends.open_by
+        q, gap, fall = ends.open[some], ends.open_by[some], falls[some]
         if not len(q):
             return q
-        gap = norms(self._descent.evaluate(q)[0])
-        return np.asarray(q[gap <= ROUNDED_SHARE * self.problem.length])
-
-    @property
-    def _descent(self) -> _ManyPoses:
-        return _ManyPoses(self.problem, self.strides)
-
-    def _falling(self, q: Array) -> Array:
-        """Return the rows whose gap falls along an undamped step, as its first order says."""
-        if not len(q):
-            return q
-        descent = self._descent
-        points = points_at(descent, q)
-        step = damped_step(descent, points, np.zeros(len(q)))
+        points = points_at(self._joints, q)
+        step = damped_step(self._joints, points, np.zeros(len(q)))
         ahead = norms(points.error + np.einsum("bij,bj->bi", points.rows, step))
-        gap = norms(points.error)
-        fall = gap - norms(descent.evaluate(descent.moved(q, step))[0])
-        return np.asarray(q[(fall > _STILL_OPEN * gap) & (fall > _AS_PROMISED * (gap - ahead))])
+        return np.asarray(q[fall > _AS_PROMISED * (gap - ahead)])
 
     def _ends(self, starts: Array, creeps: float) -> Ends:
-        if not len(starts):
-            return Ends(starts, starts, starts)
         partition = self.problem.partition
         redundant = partition.row_scale.size > partition.passive_rank
         patience = Patience(
@@ -129,68 +150,17 @@ class ManyClosures:
             creeping=creeps,
             creeping_steps=_STEPS_PATIENCE,
         )
-        ends = descend(self._descent, starts, patience)
+        ends = self._descended(starts, patience)
         left = ~ends.closed & ~ends.spent
-        return Ends(self._polished(ends.q[ends.closed]), ends.q[left], ends.q[ends.spent])
+        closed = self._polished(ends.q[ends.closed])
+        return Ends(closed, ends.q[left], ends.gap[left], ends.q[ends.spent])
 
     def _polished(self, q: Array) -> Array:
         """Return closed rows after Newton's last steps, where these close them further.
 
         Beside a singularity poses that are closed to little are far from each other, though one.
         """
-        return descend(self._descent, q, _LAST_STEPS).q if len(q) else q
-
-
-class _ManyPoses:
-    """The passive joints of many poses: what is to be closed.
-
-    Each unknown is eased by what it moves the loops by (Marquardt's scaling), so that damping
-    holds back no joint for moving the loops little: a platform's turn moves them by its own size
-    only, however long its legs are.
-    """
-
-    __slots__ = ("_problem", "_scale", "_strides")
-
-    solution = staticmethod(by_normal_equations)
-
-    def __init__(self, problem: SearchProblem, strides: Array) -> None:
-        self._problem, self._strides = problem, strides
-        self._scale = problem.partition.column_scale[problem.partition.passive]
-
-    def evaluate(self, q: Array) -> tuple[Array, Array]:
-        """Return η in m and K* on the scaled columns."""
-        partition = self._problem.partition
-        residual, jacobian = self._problem.loops.evaluate(q)
-        K_star = jacobian.take(partition.passive, axis=2)
-        K_star *= partition.row_scale[:, None] * self._scale
-        return residual * partition.row_scale, K_star
-
-    def ease(self, q: Array, error: Array, rows: Array, before: Array | None) -> Array:
-        """Return one by the sizes of K*'s columns.
-
-        They shrink slowly on the way: a column that vanishes where the loops close would have its
-        joint thrown about there.
-        """
-        sizes = np.sqrt(np.einsum("bij,bij->bj", rows, rows))
-        if before is not None:
-            sizes = np.maximum(_FORGOTTEN / before, sizes)
-        sizes = np.maximum(sizes, _IDLE_COLUMN * sizes.max(axis=1, initial=0.0, keepdims=True))
-        return np.asarray(1.0 / np.where(sizes > 0.0, sizes, 1.0))  # no joint may move the loops
-
-    def fading(self, gap: Array) -> Array:
-        """Return the gap, in strides."""
-        return gap / float(self._strides.max(initial=self._problem.length))
-
-    def bounded(self, q: Array, step: Array) -> Array:
-        """Return steps of the scaled columns, each no longer than a stride."""
-        return np.asarray(step / np.maximum(norms(step / self._strides), 1.0)[:, None])
-
-    def moved(self, q: Array, step: Array) -> Array:
-        """Return q ⊕ v."""
-        partition = self._problem.partition
-        velocity = np.zeros((len(q), partition.column_scale.size))
-        velocity[:, partition.passive] = step * self._scale
-        return self._problem.tree.moved(q, velocity)
+        return self._descended(q, _LAST_STEPS).q
 
 
 def unseen_share(starts: int, question: int, confidence: float) -> float:
