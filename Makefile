@@ -30,6 +30,7 @@ bench: .venv/ready
 	$(BIN)/python benchmarks/bench_start.py
 	$(BIN)/python benchmarks/bench_pickle.py
 	$(BIN)/python benchmarks/bench_jacobian.py
+	$(BIN)/python benchmarks/bench_planning.py
 	$(BIN)/python benchmarks/bench_batch.py
 	$(BIN)/python benchmarks/bench_avx2.py
 	$(BIN)/python benchmarks/bench_cpp.py
@@ -53,6 +54,7 @@ bench: .venv/ready
 
 # What docs/many_poses.md and docs/sweeps.md speak of.
 bench-many: .venv/ready
+	$(BIN)/python benchmarks/bench_planning.py
 	$(BIN)/python benchmarks/bench_batch.py
 	$(BIN)/python benchmarks/bench_avx2.py
 	$(BIN)/python benchmarks/bench_cpp.py

@@ -94,6 +94,16 @@ def test_over_actuated_motors_lead_and_are_led():
     np.testing.assert_allclose(mechanism.configuration(poses.q[0]).actuated, fits, atol=1e-9)
 
 
+def test_a_guess_of_another_machine_is_looked_at():
+    """One of its own is known to be closed; where another's loops are closed, these are open."""
+    mechanism = loaded("five_bar")
+    other = mechanism.with_parameters(l1=1.01 * mechanism.parameters["l1"])
+    many, values = pj.batch(mechanism), [mechanism.home.actuated]
+    with pytest.raises(pj.ClosureError, match="are open by"):
+        many.close(values, guess=other.home)
+    assert many.close(values, guess=pj.load("five_bar").home).status[0] == pj.Status.CLOSED
+
+
 def test_guesses_and_limits():
     mechanism = loaded("four_bar")
     many, values = pj.batch(mechanism), np.array([[0.5], [1.0], [7.0]])

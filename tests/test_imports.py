@@ -179,6 +179,19 @@ def test_starting_up_imports_little(code):
     subprocess.run([sys.executable, "-c", code], check=True, cwd=PACKAGE.parent)
 
 
+def test_many_poses_import_little():
+    """Of SciPy what single poses need as well, and what calls a compiler when that is asked for."""
+    code = (
+        "import sys, pmjac_pin as pj; home = pj.load('three_rps').home;"
+        "many = pj.batch(home.mechanism);"
+        "many.measures(many.close([home.actuated]).q);"
+        "found = {'scipy.spatial', 'scipy.optimize', 'pmjac_pin.algebra.compiled_programs'};"
+        "found &= set(sys.modules);"
+        "assert not found, found"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True, cwd=PACKAGE.parent)
+
+
 ADAPTED = ("casadi", "crocoddyl", "jax", "mink", "pink", "tsid")
 # Imports each of these modules in a process of its own, where others' packages are there already.
 IN_FORKS = """

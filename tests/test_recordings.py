@@ -129,6 +129,20 @@ def test_results_of_siblings(rng):
 # --- programs by hand --------------------------------------------------------------------------
 
 
+def test_a_recording_is_free_at_once():
+    """Its terms know it, and it knows them: the next one's memory would be taken beside theirs."""
+    seen = []
+
+    def make(inputs):
+        term = inputs[0] * 2.0
+        seen.append(term.recording)
+        return [term]
+
+    tape = Recordings().tape("it", 1, make)
+    assert run(tape, np.array([[3.0]])).item() == 6.0
+    assert not seen[0].terms
+
+
 def check(*makes, inputs=2, bound=True):
     """Record these programs one after another, and compare each with what is recorded afresh."""
     recordings, rng = Recordings(), np.random.default_rng(0)

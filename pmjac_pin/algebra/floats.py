@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.spatial.transform import Rotation
 
 from pmjac_pin.algebra.arrays import Arrays, Numbers
 from pmjac_pin.values.arrays import Array
@@ -37,6 +36,9 @@ class Floats(Arrays):
 
     def rotation_vector(self, rotation: Numbers) -> Numbers:
         """Return log R."""
+        # Imported by the first that needs it: a third of a second, in which many poses are done.
+        from scipy.spatial.transform import Rotation  # noqa: PLC0415
+
         matrices = np.moveaxis(rotation, (0, 1), (-2, -1)).reshape(-1, 3, 3)
         vectors: Array = Rotation.from_matrix(matrices).as_rotvec()
         return vectors.T.reshape(3, *rotation.shape[2:])

@@ -8,6 +8,7 @@ that a sum and its opposite are one term as well.
 from __future__ import annotations
 
 import math
+from collections import defaultdict
 from collections.abc import Iterable, Sequence
 from typing import Any, Literal, Union
 
@@ -51,7 +52,7 @@ class Recording:
 
     def __init__(self, inputs: int) -> None:
         self.terms: list[Term] = []
-        self._known: dict[tuple[Any, ...], Term] = {}
+        self._known: dict[Operation, dict[tuple[Operand, ...], Term]] = defaultdict(dict)
         self.inputs = tuple(self.term("input", index) for index in range(inputs))
 
     def input(self) -> Term:
@@ -62,12 +63,17 @@ class Recording:
 
     def term(self, operation: Operation, *operands: Operand) -> Term:
         """Return the term of an operation, a new one where it was not recorded before."""
-        key = (operation, *operands)  # terms are equal where they are the same
-        known = self._known.get(key)
-        if known is None:
-            known = self._known[key] = Term(self, len(self.terms), operation, operands)
-            self.terms.append(known)
-        return known
+        known = self._known[operation]  # by operands: terms are equal where they are the same
+        found = known.get(operands)
+        if found is None:
+            found = known[operands] = Term(self, len(self.terms), operation, operands)
+            self.terms.append(found)
+        return found
+
+    def forget(self) -> None:
+        """Let all terms go, which know their recording, so that their memory is free at once."""
+        self.terms, self.inputs = [], ()
+        self._known.clear()
 
 
 class Term:
@@ -103,22 +109,35 @@ class Term:
         return self.recording.term("neg", self)
 
     def __add__(self, other: Any) -> Any:
+        if not isinstance(other, Term):
+            return self._plus_double(other)
+        if other.operation == "neg":
+            return self - other.operands[0]
+        if self.operation == "neg":
+            return other - self.operands[0]
+        older, newer = (self, other) if self.index <= other.index else (other, self)
+        return self.recording.term("+", older, newer)
+
+    def _plus_double(self, other: float) -> Any:
         if other == 0.0:
             return self
-        if _is_negative(other):
+        if other < 0.0:
             return self - (-other)
         if self.operation == "neg":
             return other - self.operands[0]
-        return self.recording.term("+", *_in_one_order(self, other))
+        return self.recording.term("+", float(other), self)
 
     __radd__ = __add__
 
     def __sub__(self, other: Any) -> Any:
         if other is self:
             return 0.0
-        if other == 0.0:
+        if isinstance(other, Term):
+            if other.operation == "neg":
+                return self + other.operands[0]
+        elif other == 0.0:
             return self
-        if _is_negative(other):
+        elif other < 0.0:
             return self + (-other)
         if self.operation == "neg":
             return -(self.operands[0] + other)
@@ -128,13 +147,23 @@ class Term:
         return -(self - other)
 
     def __mul__(self, other: Any) -> Any:
-        if not isinstance(other, Term) and other in (0.0, 1.0, -1.0):
+        if not isinstance(other, Term):
+            return self._times_double(other)
+        if self.operation == "neg":
+            return -(self.operands[0] * other)
+        if other.operation == "neg":
+            return -(self * other.operands[0])
+        older, newer = (self, other) if self.index <= other.index else (other, self)
+        return self.recording.term("*", older, newer)
+
+    def _times_double(self, other: float) -> Any:
+        if other in (0.0, 1.0, -1.0):
             return 0.0 if other == 0.0 else self if other == 1.0 else -self
         if self.operation == "neg":
             return -(self.operands[0] * other)
-        if _is_negative(other):
+        if other < 0.0:
             return -(self * -other)
-        return self.recording.term("*", *_in_one_order(self, other))
+        return self.recording.term("*", float(other), self)
 
     __rmul__ = __mul__
 
@@ -148,17 +177,6 @@ class Term:
 
     def __rtruediv__(self, other: float) -> Any:
         return 0.0 if other == 0.0 else self.recording.term("/", other, self)
-
-
-def _is_negative(number: Any) -> bool:
-    return number.operation == "neg" if isinstance(number, Term) else number < 0.0
-
-
-def _in_one_order(one: Term, other: Any) -> tuple[Operand, Operand]:
-    """Return operands that may be exchanged in one order: a double first, then by age."""
-    if not isinstance(other, Term):
-        return float(other), one
-    return (one, other) if one.index <= other.index else (other, one)
 
 
 class Programs(Arrays):

@@ -172,7 +172,9 @@ class Recordings:
             else:
                 self._known.pop(name, None)
         recording = Recording(inputs)
-        return Tape.of(recording, make(recording.inputs), stages)
+        tape = Tape.of(recording, make(recording.inputs), stages)
+        recording.forget()
+        return tape
 
     def _beside(self, name: str, inputs: int, make: Make, stages: Sequence[int]) -> Tape:
         if (known := self._known.get(name)) is not None:

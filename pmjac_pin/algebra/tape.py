@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -76,7 +76,11 @@ class Tape:
 
 
 class _Writer:
-    """Writes a tape: slots are used again as soon as what they hold has been used."""
+    """Writes a tape: slots are used again as soon as what they hold has been used.
+
+    How many constants there are is known in the end. So slots count from the first behind these,
+    and constants backwards from −1, until all is written.
+    """
 
     def __init__(
         self, recording: Recording, outputs: Sequence[Term | float], stages: Sequence[int]
@@ -87,68 +91,32 @@ class _Writer:
             if isinstance(output, Term):
                 self._targets.setdefault(output.index, []).append(number)
         self._uses = uses(recording, [x.index for x in outputs if isinstance(x, Term)])
-        self._factor = dict(self._fused())
-        self._left = [0] * len(recording.terms)
+        self._products = self._fused()
         self._constants: dict[float, int] = {}
-        self._slot: dict[int, int] = {}
-        self._free: list[int] = []
-        self._count = 0
-        self._code: list[tuple[int, ...]] = []
+        self._code: list[int] = []
+        self._stores = [0] * len(outputs)  # the instruction by which each is there
 
     def tape(self) -> Tape:
-        hidden = {term.index for term in self._factor.values()}
-        steps = [
-            (term, *self._instruction(term))
-            for term in self._recording.terms
-            if self._uses[term.index] and term.index not in hidden
-        ]
-        if self._stages:
-            stages = self._stage_of_terms()
-            steps.sort(key=lambda step: stages[step[0].index])
-        for _, _, operands in steps:
-            for x in operands:
-                if isinstance(x, Term):
-                    self._left[x.index] += 1
-                else:
-                    self._know(x)
-        for output in self._outputs:
-            if not isinstance(output, Term):
-                self._know(output)
-        self._count = len(self._constants)
-        for number, output in enumerate(self._outputs):
-            if not isinstance(output, Term):
-                self._write("store", number, self._constants[float(output)])
-        for term, name, operands in steps:
-            self._compute(term, name, operands)
+        doubles = [(k, x) for k, x in enumerate(self._outputs) if not isinstance(x, Term)]
+        slots = self._write(self._computed(), len(doubles))
+        first: list[int] = []
+        for place, (output, double) in enumerate(doubles):
+            self._stores[output] = place
+            first += self._store(output, self._constant(double))
         return Tape(
-            code=read_only(np.array(self._code, dtype=np.int32).reshape(-1, 5)),
+            code=read_only(self._numbered(first + self._code)),
             constants=read_only(np.array(list(self._constants), dtype=float)),
-            slots=self._count,
+            slots=len(self._constants) + slots,
             inputs=len(self._recording.inputs),
             outputs=len(self._outputs),
-            stages=tuple(map(self._until, self._stages)),
+            stages=tuple(1 + max(self._stores[:count], default=-1) for count in self._stages),
         )
 
-    def _stage_of_terms(self) -> list[int]:
-        """Return at which stage each term is needed first."""
-        found = [len(self._stages)] * len(self._recording.terms)
-        for index, numbers in self._targets.items():
-            found[index] = bisect_right(self._stages, min(numbers))
-        for term in reversed(self._recording.terms):
-            if self._uses[term.index] and term.operation != "input":
-                for x in term.operands:
-                    if isinstance(x, Term):
-                        found[x.index] = min(found[x.index], found[term.index])
-        return found
-
-    def _until(self, outputs: int) -> int:
-        """Return how many instructions it takes until so many outputs are there."""
-        stores = (
-            place
-            for place, (name, target, *_) in enumerate(self._code)
-            if name == _NUMBER["store"] and target < outputs
-        )
-        return max(stores, default=-1) + 1
+    def _numbered(self, written: Sequence[int]) -> NDArray[np.int32]:
+        """Return the instructions, constants in the first slots."""
+        code = np.array(written, dtype=np.int32).reshape(-1, 5)
+        slots = np.where(code < 0, ~code, code + len(self._constants))
+        return np.where(_IS_SLOT[code[:, 0]], slots, code).astype(np.int32)
 
     def places(self) -> list[tuple[int, int, int]]:
         """Return which operands of the terms that are computed the constants are."""
@@ -160,60 +128,114 @@ class _Writer:
             if not isinstance(x, Term)
         ]
 
-    def _fused(self) -> Iterator[tuple[int, Term]]:
-        """Return sums by the product that is computed with them, and used by nothing else."""
-        taken: set[int] = set()
-        for term in self._recording.terms:
-            if term.operation not in {"+", "-"} or not self._uses[term.index]:
-                continue
-            for x in term.operands:
-                if isinstance(x, Term) and self._serves_once(x) and x.index not in taken:
-                    taken.add(x.index)
-                    yield term.index, x
-                    break
+    def _fused(self) -> dict[int, Term]:
+        """Return of sums the product that is computed with them, and used by nothing else."""
+        counts, found = self._uses, dict[int, Term]()
+        for term, count in zip(self._recording.terms, counts, strict=True):
+            if count and term.operation in _ADDITIVE:
+                for x in term.operands:
+                    if isinstance(x, Term) and x.operation == "*" and counts[x.index] == 1:
+                        found[term.index] = x
+                        break
+        return found
 
-    def _serves_once(self, term: Term) -> bool:
-        return term.operation == "*" and self._uses[term.index] == 1
+    def _computed(self) -> list[Term]:
+        """Return the terms that have an instruction of their own, in its order."""
+        hidden = {product.index for product in self._products.values()}
+        terms = [
+            term
+            for term, count in zip(self._recording.terms, self._uses, strict=True)
+            if count and term.index not in hidden
+        ]
+        if self._stages:
+            stages = self._stage_of_terms()
+            terms.sort(key=lambda term: stages[term.index])
+        return terms
 
-    def _instruction(self, term: Term) -> tuple[str, Sequence[Operand]]:
-        if term.operation == "input":
-            return "load", ()
-        if (product := self._factor.get(term.index)) is None:
-            return term.operation, term.operands
-        first, second = term.operands
-        other = second if first is product else first
-        name = "muladd" if term.operation == "+" else "mulsub" if first is product else "submul"
-        return name, (*product.operands, other)
+    def _stage_of_terms(self) -> list[int]:
+        """Return at which stage each term is needed first."""
+        found = [len(self._stages)] * len(self._recording.terms)
+        for index, numbers in self._targets.items():
+            found[index] = bisect_right(self._stages, min(numbers))
+        for term in reversed(self._recording.terms):
+            if self._uses[term.index]:
+                stage = found[term.index]
+                for x in term.operands:
+                    if isinstance(x, Term) and found[x.index] > stage:
+                        found[x.index] = stage
+        return found
 
-    def _compute(self, term: Term, name: str, operands: Sequence[Operand]) -> None:
-        slot, left, free, sources = self._slot, self._left, self._free, []
-        used: dict[int, None] = {}  # a sum goes on in its own slot, the last that is freed
-        for x in operands:
-            if isinstance(x, Term):
-                sources.append(slot[x.index])
-                left[x.index] -= 1
-                used[x.index] = None
+    def _write(self, terms: Iterable[Term], before: int) -> int:
+        """Write what computes terms, behind some other instructions; return how many slots."""
+        code, targets, free, count = self._code, self._targets, list[int](), 0
+        slot, left = [0] * len(self._uses), self._uses.copy()
+        for index, numbers in targets.items():
+            left[index] -= len(numbers)  # what is stored is so at once
+        for term in terms:
+            index, (number, operands) = term.index, self._instruction(term)
+            slots, taken = list[int](), list[int]()
+            for x in operands:
+                if isinstance(x, Term):
+                    taken.append(x.index)
+                    slots.append(slot[x.index])
+                    left[x.index] -= 1
+                else:  # of an input its number
+                    slots.append(int(x) if number == _LOAD else self._constant(x))
+            for x in taken:  # a sum goes on in its own slot, the last that is freed
+                if not left[x]:
+                    left[x] = _FREED
+                    free.append(slot[x])
+            if free:
+                own = free.pop()
             else:
-                sources.append(self._constants[float(x)])
-        free += [slot[index] for index in used if not left[index]]
-        if name == "load":
-            sources = [int(term.operands[0])]  # type: ignore[arg-type]
-        own = slot[term.index] = free.pop() if free else self._count
-        self._count = max(self._count, own + 1)
-        self._write(name, own, *sources)
-        for number in self._targets.get(term.index, ()):
-            self._write("store", number, own)
-        if not left[term.index]:
-            free.append(own)
+                own = count
+                count += 1
+            slot[index] = own
+            code += (number, own, *slots, *_NO_OPERANDS[len(slots) :])
+            if index in targets:
+                for output in targets[index]:
+                    self._stores[output] = before + len(code) // 5
+                    code += self._store(output, own)
+                if not left[index]:
+                    free.append(own)
+        return count
 
-    def _know(self, number: float) -> None:
-        self._constants.setdefault(float(number), len(self._constants))
+    def _instruction(self, term: Term) -> tuple[int, Sequence[Operand]]:
+        operation, operands = term.operation, term.operands
+        if (product := self._products.get(term.index)) is None:
+            return _NUMBER[operation], operands
+        first, second = operands
+        other = second if first is product else first
+        name = "muladd" if operation == "+" else "mulsub" if first is product else "submul"
+        return _NUMBER[name], (*product.operands, other)
 
-    def _write(self, name: str, target: int, *sources: int) -> None:
-        self._code.append((_NUMBER[name], target, *(*sources, 0, 0, 0)[:3]))
+    def _store(self, output: int, slot: int) -> tuple[int, ...]:
+        return _NUMBER["store"], output, slot, 0, 0
+
+    def _constant(self, number: float) -> int:
+        return ~self._constants.setdefault(float(number), len(self._constants))
 
 
 _NUMBER = {name: number for number, name in enumerate(INSTRUCTIONS)}
+_NUMBER["input"] = _NUMBER["load"]
+_LOAD = _NUMBER["load"]
+_ADDITIVE = frozenset("+-")
+_NO_OPERANDS = (0, 0, 0)  # in place of operands
+_FREED = -1
+_OF_ONE = frozenset({"store", "neg", "sin", "cos", "sqrt", "abs", "round"})
+
+
+def _slots_read(name: str) -> int:
+    """Return how many of an instruction's operands are slots."""
+    if name in INSTRUCTIONS[-3:]:
+        return 3
+    return 0 if name == "load" else 1 if name in _OF_ONE else 2
+
+
+#: Which numbers of an instruction are slots.
+_IS_SLOT = np.array(
+    [[False, name != "store", *(np.arange(3) < _slots_read(name))] for name in INSTRUCTIONS]
+)
 
 
 def uses(recording: Recording, targets: Iterable[int]) -> list[int]:
@@ -222,8 +244,8 @@ def uses(recording: Recording, targets: Iterable[int]) -> list[int]:
     for index in targets:
         counts[index] += 1
     for term in reversed(recording.terms):
-        if counts[term.index] and term.operation != "input":
-            for x in term.operands:
+        if counts[term.index]:
+            for x in term.operands:  # that of an input is no term
                 if isinstance(x, Term):
                     counts[x.index] += 1
     return counts

@@ -7,9 +7,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cached_property
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
-from pmjac_pin.algebra.compiled_programs import CompiledPrograms
 from pmjac_pin.algebra.tape import Tape
 from pmjac_pin.batches.ellipsoids_work import EllipsoidsWork
 from pmjac_pin.batches.judge import Judge
@@ -21,6 +20,9 @@ from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.twist_frame import FrameName
 from pmjac_pin.rates.many_radii import fill_radii
 from pmjac_pin.values.arrays import Array, Mask
+
+if TYPE_CHECKING:
+    from pmjac_pin.algebra.compiled_programs import CompiledPrograms
 
 _WORLD_ALIGNED: FrameName = "LOCAL_WORLD_ALIGNED"
 #: (piece, its rows of q, its part of each array) ↦ nothing: it fills them.

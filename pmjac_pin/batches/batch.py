@@ -13,7 +13,6 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
-from pmjac_pin.algebra.compiled_programs import CompiledPrograms
 from pmjac_pin.algebra.tape_runner import tape_kernel
 from pmjac_pin.batches.at_poses import AtPoses, RatesWork
 from pmjac_pin.batches.closing import Closing
@@ -91,7 +90,16 @@ class Batch:
 
     def __init__(self, mechanism: Mechanism, *, compiled: bool = False) -> None:
         self.mechanism = mechanism
-        programs = CompiledPrograms() if compiled else None
+        # Where paths begin, unless told: seen before there are programs of many poses, with which
+        # the next single one has its own recorded.
+        home = mechanism.home
+        self._last_guess = home, home.q, np.broadcast_to(home.q, (1, home.q.size))
+        programs = None
+        if compiled:
+            # Who asks for no compiler waits for none of what calls it.
+            from pmjac_pin.algebra.compiled_programs import CompiledPrograms  # noqa: PLC0415
+
+            programs = CompiledPrograms()
         self.runs_on = "NumPy" if tape_kernel() is None else "kernel"
         if compiled:
             self.runs_on = "compiled programs"
@@ -181,7 +189,7 @@ class Batch:
             over, self.mechanism.problem.partition, self.mechanism.coordinates, begin.actuated
         )
         check_callable(progress, "progress")
-        whose, home = enforced(enforce_limits), self.mechanism.configuration(begin.q).q
+        whose, home = enforced(enforce_limits), self._closed_q(begin)
 
         def close(which: Index, start: Array | None, most_steps: int | None) -> ManyClosed:
             targets = grid.cells[which]
@@ -464,14 +472,19 @@ class Batch:
         return start, False
 
     def _of_guess(self, guess: Configuration, count: int) -> Array:
-        """Return its q, seen to be closed in this mechanism, as rows; the last ones are known."""
+        """Return its q, closed in this mechanism, too, as rows; the last ones are known."""
         known, q, rows = self._last_guess
         if known is not guess:
-            q = self.mechanism.configuration(guess.q).q
+            q = self._closed_q(guess)
         if known is not guess or len(rows) != count:
             rows = np.broadcast_to(q, (count, q.size))
             self._last_guess = guess, q, rows
         return rows
+
+    def _closed_q(self, guess: Configuration) -> Array:
+        """Return its q; of another mechanism, seen to be closed in this one."""
+        own = guess.mechanism is self.mechanism
+        return guess.q if own else self.mechanism.configuration(guess.q).q
 
     def _poses(self, q: Any) -> Array:
         """Return q as rows, whose numbers are looked at piece by piece."""

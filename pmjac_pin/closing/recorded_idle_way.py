@@ -26,7 +26,7 @@ def idle_tape(loops: RecordedRates) -> Tape:
     """
 
     def make(q: Sequence[Term]) -> list[Any]:
-        matrix = loops.scaled(loops.recorder.at(q).rates)
+        matrix = loops.scaled(loops.recorder.loops_at(q).rates)
         motions, open_by = idle_motions(matrix, loops.idle)
         inverse = Triangle.of(matrix[:, loops.kept], loops.kept.size).inverse_norm()
         return [open_by, inverse, *motions[_changing(motions)]]
@@ -44,7 +44,7 @@ def return_tape(loops: RecordedRates, idle: Tape) -> Tape:
 
     def make(inputs: Sequence[Term]) -> list[Any]:
         q, start, given = np.split(objects(inputs), [nq, 2 * nq])
-        kinematics = loops.recorder.at(q.tolist())
+        kinematics = loops.recorder.loops_at(q.tolist())
         matrix, scale = loops.scaled(kinematics.rates), loops.partition.column_scale
         error = kinematics.residual * loops.partition.row_scale
         kept, on_loops = loops.kept, zeros(nv, 1)
@@ -58,7 +58,7 @@ def return_tape(loops: RecordedRates, idle: Tape) -> Tape:
         squares = inverse @ (at_start.T @ at_start) @ inverse.T
         turned = np.trace((motions.T @ motions) @ squares)
         ahead = moved_by(PROGRAMS, tree, q, back * scale)
-        gap = loops.gap(loops.recorder.at(ahead.tolist()))
+        gap = loops.gap(loops.recorder.loops_at(ahead.tolist()))
         left = inverse @ (at_start.T @ (between(PROGRAMS, tree, start, ahead) / scale))
         sizes = [triangle.inverse_norm(), norm(matrix), norm(back), turned]
         return [*sizes, gap, norm(motions @ left), *ahead]
@@ -77,7 +77,7 @@ def cover_tape(loops: RecordedRates, arms: Arms, idle: Tape) -> Tape:
     def make(inputs: Sequence[Term]) -> list[Any]:
         *poses, start, given = np.split(objects(inputs), [nq, 2 * nq, 3 * nq])
         scale, none = loops.partition.column_scale, zeros(loops.recorder.nv, 1)
-        rows = [loops.scaled(loops.recorder.at(q.tolist()).rates) for q in poses]
+        rows = [loops.scaled(loops.recorder.loops_at(q.tolist()).rates) for q in poses]
         triangles = [Triangle.of(matrix[:, loops.kept], loops.kept.size) for matrix in rows]
         motions = [idle_motions(matrix, loops.idle)[0] for matrix in rows]
         at_start = motions[0].copy()

@@ -22,7 +22,7 @@ from pmjac_pin.algebra.tape import Tape
 from pmjac_pin.closing.closure_problem import ClosureProblem
 from pmjac_pin.closing.recorded_idle import IdleColumn, idle_columns, idle_motions, smallest
 from pmjac_pin.kinematics.joint_steps import entry_rates, moved_by
-from pmjac_pin.kinematics.recorded import RecordedKinematics, Recorder
+from pmjac_pin.kinematics.recorded import RecordedKinematics, RecordedRows, Recorder
 from pmjac_pin.model.twist_frame import FrameName, change_frame
 from pmjac_pin.rates.partition import Partition
 from pmjac_pin.rates.sparse_qr import Triangle, norm
@@ -122,7 +122,7 @@ class RecordedRates:
         scaled: Numbers = rates * scale
         return scaled
 
-    def gap(self, kinematics: RecordedKinematics) -> Any:
+    def gap(self, kinematics: RecordedRows) -> Any:
         """Return how far the loops are open, m.
 
         Where tilts or turns vanish at half a turn, by mistake, that is a length.
@@ -168,7 +168,7 @@ class RecordedRates:
     def _point(self, q: Sequence[Any], rates: Numbers) -> tuple[list[Any], Numbers]:
         """Return gap and norms, and the dimensionless Newton step and path velocity, (2, nv)."""
         motors, scale = self.partition.actuated, self.partition.column_scale
-        kinematics = self.recorder.at(q)
+        kinematics = self.recorder.loops_at(q)
         matrix = self.scaled(kinematics.rates)
         error = kinematics.residual * self.partition.row_scale
         gap = self.gap(kinematics)

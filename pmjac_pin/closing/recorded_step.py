@@ -72,7 +72,7 @@ def _covered(
     loops: RecordedRates, arms: Arms, poses: Numbers, rates: Numbers, inverses: Numbers
 ) -> list[Any]:
     """Return the bounds of q₀, q₁ and p(½), and of leaving, arriving and way."""
-    kept, at = loops.kept, [loops.recorder.at(q.tolist()) for q in poses]
+    kept, at = loops.kept, [loops.recorder.loops_at(q.tolist()) for q in poses]
     first, last, middle = (loops.scaled(pose.rates)[:, kept] for pose in at)
     straight, bends = last - first, Bends(arms, roots)
     bent = middle - first - 0.5 * straight

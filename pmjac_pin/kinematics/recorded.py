@@ -27,7 +27,7 @@ from pmjac_pin.values.arrays import Array
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class RecordedKinematics:
+class RecordedRows:
     """Terms over the entries of q; what is zero by structure is the double 0.
 
     Attributes
@@ -37,6 +37,19 @@ class RecordedKinematics:
         by polynomials.
     cosines : ndarray, shape (k,)
         Of the angles that tilts and turns leave: −1 where these vanish by mistake.
+    """
+
+    residual: Numbers
+    rates: Numbers
+    cosines: Numbers
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RecordedKinematics(RecordedRows):
+    """The same with the tool.
+
+    Attributes
+    ----------
     tool : ndarray, shape (6, nv)
         The tool's Jacobian in LOCAL_WORLD_ALIGNED.
     rotation, position : ndarray, shapes (3, 3) and (3,)
@@ -47,9 +60,6 @@ class RecordedKinematics:
         The rows that are the components of a vector in a moving body's axes, and these axes.
     """
 
-    residual: Numbers
-    rates: Numbers
-    cosines: Numbers
     tool: Numbers
     rotation: Numbers
     position: Numbers
@@ -104,24 +114,31 @@ class Recorder:
         self._names = spec.tool.names
         self.nq, self.nv = model.nq, model.nv
 
+    def loops_at(self, q: Sequence[Term]) -> RecordedRows:
+        """Record the loops at entries of q, where nobody asks for the tool."""
+        return self._loops_at(_poses_at(self._loops.tree, q), q)
+
     def at(self, q: Sequence[Term]) -> RecordedKinematics:
-        """Record it at entries of q."""
+        """Record loops and tool at entries of q."""
         poses = _poses_at(self._loops.tree, q)
-        residual, rates, cosines = _loop_rows(self._loops, poses, objects(q), self.nv)
+        loops = self._loops_at(poses, q)
         frames = [find_frame(self._model, name) for name in self._names]
         points = [frame_motion(poses, frame, self.nv, 1) for frame in frames]
         tool, spread = _spanned(points) if len(points) > 1 else (points[0], 1.0)
         turned = vectors_in_bodies(self._loops, poses)
         return RecordedKinematics(
-            residual=residual,
-            rates=rates,
-            cosines=cosines,
+            residual=loops.residual,
+            rates=loops.rates,
+            cosines=loops.cosines,
             tool=tool.jacobian[..., 0],
             rotation=tool.rotation[..., 0],
             position=tool.position[..., 0] + self._place,
             spread=spread,
             turned=tuple((rows, axes[..., 0]) for rows, axes in turned),
         )
+
+    def _loops_at(self, poses: Poses, q: Sequence[Term]) -> RecordedRows:
+        return RecordedRows(*_loop_rows(self._loops, poses, objects(q), self.nv))
 
     def motions(self, q: Sequence[Term], frames: Sequence[Frame]) -> list[FrameMotion]:
         """Record where frames are at entries of q, and how they move."""

@@ -6,14 +6,14 @@ but signs, so that the whole is straight-line code; where that fails, its number
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from pmjac_pin.algebra.arrays import Numbers
-from pmjac_pin.algebra.programs import Term, root, with_sign
+from pmjac_pin.algebra.programs import Term, root, with_sign, zeros
 from pmjac_pin.values.arrays import Mask
 
 
@@ -38,24 +38,26 @@ class Triangle:
     @classmethod
     def of(cls, matrix: Numbers, count: int) -> Triangle:
         """Reduce the first columns, those first that take the fewest operations."""
-        reduced = matrix.copy()
-        waiting, left = list(range(count)), list(range(len(matrix)))
+        reduced: list[list[Any]] = matrix.tolist()
+        waiting, left = list(range(count)), list(range(len(reduced)))
         columns: list[int] = []
         rows: list[int] = []
-        filled = np.not_equal(reduced, 0.0).astype(bool)
+        filled = np.not_equal(matrix, 0.0).astype(bool)
         while waiting:
-            column = min(waiting, key=lambda c: (_work(filled[left], c), c))
+            column = _quickest(filled[left], waiting)
             used = [row for row in left if filled[row, column]]
             used.sort(key=lambda row: int(filled[row].sum()))
             others = [c for c in range(matrix.shape[1]) if c != column and c not in columns]
-            _reflect(reduced, used, column, others)
+            _reflect([reduced[row] for row in used], column, others)
             filled[used] = filled[used].any(axis=0)
             filled[used[1:], column] = False
             left.remove(used[0])
             waiting.remove(column)
             columns.append(column)
             rows.append(used[0])
-        return cls(reduced, tuple(columns), tuple(rows))
+        return cls(
+            np.array(reduced, dtype=object).reshape(matrix.shape), tuple(columns), tuple(rows)
+        )
 
     @property
     def left_over(self) -> list[int]:
@@ -70,46 +72,61 @@ class Triangle:
     def solve(self, right: Sequence[int]) -> Numbers:
         """Return X with R X = B, for columns B of the matrix; rows in the columns' own order."""
         count = len(self.columns)
-        found = np.empty((count, len(right)), dtype=object)
-        for step in reversed(range(count)):
-            row, inverse = self.rows[step], self._inverse(step)
+        found = zeros(count, len(right)).tolist()
+        for step, inverse, later in self._from_below():
+            row = self.matrix[self.rows[step]].tolist()
             for k, column in enumerate(right):
-                total = self.matrix[row, column]
-                for later in range(step + 1, count):
-                    total = total - self.matrix[row, self.columns[later]] * found[later, k]
-                found[step, k] = total * inverse
-        return found[np.argsort(self.columns)]
+                total = row[column]
+                for entry, other in later:
+                    total = total - entry * found[other][k]
+                found[step][k] = total * inverse
+        solved = np.array(found, dtype=object).reshape(count, len(right))
+        return solved[np.argsort(self.columns)]
 
     def inverse_norm(self) -> Any:
         """Return ‖R⁻¹‖ by Frobenius: the smallest singular value of A is at least its inverse."""
         count = len(self.columns)
-        inverses = np.zeros((count, count), dtype=object)
-        for step in reversed(range(count)):
-            row, inverse = self.rows[step], self._inverse(step)
-            inverses[step, step] = inverse
+        inverses = zeros(count, count).tolist()
+        for step, inverse, later in self._from_below():
+            inverses[step][step] = inverse
             for column in range(step + 1, count):
                 entry: Any = 0.0
-                for later in range(step + 1, column + 1):
-                    known = inverses[later, column]
-                    entry = entry - self.matrix[row, self.columns[later]] * known
-                inverses[step, column] = entry * inverse
-        return norm(inverses)
+                for known, other in later:
+                    if other <= column:
+                        entry = entry - known * inverses[other][column]
+                inverses[step][column] = entry * inverse
+        return norm(np.array(inverses, dtype=object))
 
-    def _inverse(self, step: int) -> Any:
-        return 1.0 / self.matrix[self.rows[step], self.columns[step]]
+    def _from_below(self) -> Iterator[tuple[int, Any, list[tuple[Any, int]]]]:
+        """Yield steps, the last first: the diagonal's inverse, and what of R is behind it."""
+        triangle = self.triangle().tolist()
+        for step in reversed(range(len(self.columns))):
+            row = triangle[step]
+            later = [(x, k) for k, x in enumerate(row) if k > step and _takes_part(x)]
+            yield step, 1.0 / row[step], later
 
 
 def norm(entries: Numbers) -> Any:
     """Return the Frobenius norm."""
-    return root(dot(entries.ravel(), entries.ravel()))
+    known = [x for x in entries.ravel().tolist() if _takes_part(x)]
+    return root(dot(known, known))
 
 
-def dot(u: Sequence[Any] | Numbers, v: Sequence[Any] | Numbers) -> Any:
+def dot(u: Iterable[Any], v: Iterable[Any]) -> Any:
     """Return Σ uₖ vₖ."""
     total: Any = 0.0
     for a, b in zip(u, v, strict=True):
         total = total + a * b
     return total
+
+
+def _takes_part(x: Any) -> bool:
+    return isinstance(x, Term) or x != 0.0
+
+
+def _quickest(filled: Mask, columns: Sequence[int]) -> int:
+    """Return the column of which a reflection takes the fewest operations."""
+    return min(columns, key=lambda column: (_work(filled, column), column))
 
 
 def _work(filled: Mask, column: int) -> int:
@@ -118,19 +135,21 @@ def _work(filled: Mask, column: int) -> int:
     return (len(rows) - 1) * int(rows.any(axis=0).sum()) if len(rows) else filled.size
 
 
-def _reflect(matrix: Numbers, rows: Sequence[int], column: int, others: Sequence[int]) -> None:
+def _reflect(rows: Sequence[list[Any]], column: int, others: Sequence[int]) -> None:
     """Reflect so that of a column only the entry in the first of these rows is left."""
     if len(rows) == 1:
         return
-    normal = matrix[rows, column]
-    size = norm(normal)
+    normal = [row[column] for row in rows]
+    size = root(dot(normal, normal))
     end = -with_sign(size, normal[0])
     normal[0] = normal[0] - end
     factor = 1.0 / (end * normal[0])
     for other in others:
-        entries = matrix[rows, other]
-        if any(isinstance(x, Term) or x != 0.0 for x in entries):
+        entries = [row[other] for row in rows]
+        if any(_takes_part(x) for x in entries):
             along = dot(normal, entries) * factor
-            matrix[rows, other] = [x + along * a for x, a in zip(entries, normal, strict=True)]
-    matrix[rows, column] = 0.0
-    matrix[rows[0], column] = end
+            for row, x, a in zip(rows, entries, normal, strict=True):
+                row[other] = x + along * a
+    for row in rows:
+        row[column] = 0.0
+    rows[0][column] = end
