@@ -66,6 +66,7 @@ def recorded_descent(problem: SearchProblem, strides: Array) -> RecordedDescent 
     normal = [dot(rows[:, one], rows[:, other]) for one, other in places]
     downhill = [dot(column, error) for column in rows.T]
     pose = Tape.of(recording, [norm(error), *normal, *downhill])
+    recording.forget()
     step = _step_tape(problem, strides, places)
     return RecordedDescent(pose, step, problem.model.nq, strides.size)
 
@@ -121,7 +122,9 @@ def _step_tape(
     x = np.array([-(each * one) for each, one in zip(ease, found, strict=True)], dtype=object)
     length = norm(x / strides)
     moved = _after_step(problem, q, x / largest(length, 1.0))
-    return Tape.of(recording, [*moved, *sizes, length])
+    tape = Tape.of(recording, [*moved, *sizes, length])
+    recording.forget()
+    return tape
 
 
 def _column_sizes(squares: Sequence[Any], before: Sequence[Term]) -> list[Any]:
