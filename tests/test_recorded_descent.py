@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import idling_machines
 import numpy as np
 import pytest
 from mechanisms import CLOSED, loaded
@@ -12,6 +13,7 @@ from pmjac_pin.closing.levenberg_marquardt import Linearised, Patience, damped_s
 from pmjac_pin.rates.sparse_cholesky import Elimination
 from pmjac_pin.studies.modes import descents_in_lanes, recorded_descent
 from pmjac_pin.studies.modes.descents_in_lanes import DescentsInLanes, descent_kernel
+from pmjac_pin.studies.modes.idling import Idling
 from pmjac_pin.studies.modes.passive_joints import PassiveJoints
 from pmjac_pin.studies.modes.search_problem import search_problem
 from pmjac_pin.studies.modes.starts import StartSpace
@@ -126,6 +128,18 @@ def test_programs_that_would_be_too_long_are_not_written(monkeypatch, rng):
     assert Case("four_bar", rng).programs is None
     mechanism = loaded("four_bar")
     assert len(pj.assembly_modes(mechanism, mechanism.home.actuated, rng=0, limits=False)) == 2
+
+
+def test_what_idles_is_seen_in_few_poses_and_nothing_is_recorded_for_these(monkeypatch):
+    """Programs of joints that are all tied together take longer to write than to do."""
+    mechanism = idling_machines.on_a_turntable(loaded("four_bar"), (0.0, 0.6, 0.8))
+    problem = search_problem(mechanism, mechanism.home.q)
+
+    def refused(*_):
+        raise AssertionError("recorded")
+
+    monkeypatch.setattr(recorded_descent, "recorded_descent", refused)
+    assert Idling.of(problem, problem.base[None]).groups() == [[0], [1, 2, 3, 4]]
 
 
 @pytest.mark.parametrize("count", [1, 2, 5, 12])
