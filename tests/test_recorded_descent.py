@@ -107,6 +107,13 @@ def test_an_end_is_that_of_its_own_start(name, rng):
             np.testing.assert_array_equal(one, other[few])
 
 
+@pytest.mark.parametrize("name", CLOSED)
+def test_of_no_starts_none_end(name, rng):
+    """As where all that were drawn have closed, and nothing is left to be finished."""
+    case = Case(name, rng)
+    assert all(not len(each) for each in descend(case.joints, case.draw(0), Patience(3, 0.0)))
+
+
 @pytest.mark.parametrize("name", SOME)
 def test_modes_are_the_same_without_the_kernel(name, monkeypatch):
     mechanism = loaded(name)
