@@ -15,6 +15,8 @@ from pmjac_pin.kinematics.loop_system import LoopSystem
 from pmjac_pin.kinematics.many import ManyLoops, ManyPoses
 from pmjac_pin.studies.modes.search_problem import search_problem
 
+MANY = 70  # poses, which go through a program
+
 
 def random_rows(model, rng, count=7):
     neutral = pin.neutral(model)
@@ -78,7 +80,7 @@ def test_many_rows_are_those_of_one(name, rng):
     """Many go through a program where there is a kernel; one alone does not."""
     mechanism = loaded(name)
     problem = search_problem(mechanism, mechanism.home.q)
-    q = random_rows(problem.model, rng, 70)
+    q = random_rows(problem.model, rng, MANY)
     residuals, jacobians = problem.loops.evaluate(q)
     assert residuals.shape == (70, len(problem.partition.row_scale))
     for rows in np.arange(10)[:, None]:
@@ -87,6 +89,7 @@ def test_many_rows_are_those_of_one(name, rng):
         np.testing.assert_allclose(jacobians[rows], some_jacobians, atol=1e-12)
 
 
+@pytest.mark.parametrize("count", [2, MANY], ids=["by NumPy", "by a program"])
 @pytest.mark.parametrize("short_of", [0.0, 1e-9, 1e-7, 1e-5, 1e-3])
 @pytest.mark.parametrize(
     ("kind", "open_by"),
@@ -98,13 +101,27 @@ def test_many_rows_are_those_of_one(name, rng):
         (pj.PlanarLoop, 2.0),
     ],
 )
-def test_nothing_is_closed_at_half_a_turn(kind, open_by, short_of):
+def test_nothing_is_closed_at_half_a_turn(kind, open_by, short_of, count):
     """There the polynomials of tilts and turns vanish, too."""
+    gaps = turned_by_half(pin.JointModelRX(), kind, short_of, count)
+    assert np.linalg.norm(gaps, axis=1) == pytest.approx(open_by, abs=1e-5 + short_of)
+
+
+@pytest.mark.parametrize("count", [2, MANY], ids=["by NumPy", "by a program"])
+@pytest.mark.parametrize("short_of", [1e-10, 1e-9, 1e-8, 1e-7, 1e-6])
+def test_a_turn_keeps_its_axis_short_of_half_a_turn(short_of, count):
+    """What turned about another one there would lead starts nowhere."""
+    gaps = turned_by_half(pin.JointModelRZ(), pj.FrameLoop, short_of, count)
+    assert abs(gaps[:, -1]) == pytest.approx(np.pi, abs=2e-6)
+
+
+def turned_by_half(joint, kind, short_of, count):
+    """Return the gaps between two bodies that turn about one line, half a turn apart."""
     model = pin.Model()
     for name in ("one", "two"):
-        body = model.addJoint(0, pin.JointModelRX(), pin.SE3.Identity(), f"joint {name}")
+        body = model.addJoint(0, joint, pin.SE3.Identity(), f"joint {name}")
         model.addFrame(pin.Frame(name, body, pin.SE3.Identity(), pin.FrameType.OP_FRAME), False)
     loop = kind(frames=("one", "two"))
-    q = np.array([[0.4, 0.4 + np.pi - short_of]] * 2)
+    q = np.array([[0.4, 0.4 + np.pi - short_of]] * count)
     gaps, _ = ManyLoops(model, ManyPoses(model), [loop], {}).evaluate(q)
-    assert np.linalg.norm(gaps, axis=1) == pytest.approx(open_by, abs=1e-5 + short_of)
+    return gaps

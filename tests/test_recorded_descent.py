@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import idling_machines
 import numpy as np
 import pytest
 from mechanisms import CLOSED, loaded
@@ -12,6 +13,7 @@ from pmjac_pin.closing.levenberg_marquardt import Linearised, Patience, damped_s
 from pmjac_pin.rates.sparse_cholesky import Elimination
 from pmjac_pin.studies.modes import descents_in_lanes, recorded_descent
 from pmjac_pin.studies.modes.descents_in_lanes import DescentsInLanes, descent_kernel
+from pmjac_pin.studies.modes.idling import Idling
 from pmjac_pin.studies.modes.passive_joints import PassiveJoints
 from pmjac_pin.studies.modes.search_problem import search_problem
 from pmjac_pin.studies.modes.starts import StartSpace
@@ -105,6 +107,13 @@ def test_an_end_is_that_of_its_own_start(name, rng):
             np.testing.assert_array_equal(one, other[few])
 
 
+@pytest.mark.parametrize("name", CLOSED)
+def test_of_no_starts_none_end(name, rng):
+    """As where all that were drawn have closed, and nothing is left to be finished."""
+    case = Case(name, rng)
+    assert all(not len(each) for each in descend(case.joints, case.draw(0), Patience(3, 0.0)))
+
+
 @pytest.mark.parametrize("name", SOME)
 def test_modes_are_the_same_without_the_kernel(name, monkeypatch):
     mechanism = loaded(name)
@@ -126,6 +135,18 @@ def test_programs_that_would_be_too_long_are_not_written(monkeypatch, rng):
     assert Case("four_bar", rng).programs is None
     mechanism = loaded("four_bar")
     assert len(pj.assembly_modes(mechanism, mechanism.home.actuated, rng=0, limits=False)) == 2
+
+
+def test_what_idles_is_seen_in_few_poses_and_nothing_is_recorded_for_these(monkeypatch):
+    """Programs of joints that are all tied together take longer to write than to do."""
+    mechanism = idling_machines.on_a_turntable(loaded("four_bar"), (0.0, 0.6, 0.8))
+    problem = search_problem(mechanism, mechanism.home.q)
+
+    def refused(*_):
+        raise AssertionError("recorded")
+
+    monkeypatch.setattr(recorded_descent, "recorded_descent", refused)
+    assert Idling.of(problem, problem.base[None]).groups() == [[0], [1, 2, 3, 4]]
 
 
 @pytest.mark.parametrize("count", [1, 2, 5, 12])

@@ -44,7 +44,8 @@ class Arrays:
 
     def join(self, parts: Sequence[Numbers]) -> Numbers:
         """Return numbers one after another along the rates."""
-        poses = max(part.shape[-1] for part in parts)
+        counts = [part.shape[-1] for part in parts]
+        poses = min(counts) and max(counts)  # there may be none
         rates = sum(part.shape[-2] for part in parts)
         whole = np.empty((*parts[0].shape[:-2], rates, poses), dtype=np.result_type(*parts))
         start = 0

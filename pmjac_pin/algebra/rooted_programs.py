@@ -12,7 +12,7 @@ from pmjac_pin.algebra.jets import half_skew
 from pmjac_pin.algebra.programs import Programs
 
 _NO_SINE = 1e-150  # of a turn that is none, and yet is divided by
-_HALF_A_TURN = 1e-12  # 1 + cos(angle) below which the axis of a turn is lost
+_HALF_A_TURN = 1e-12  # sine of an angle below which, at half a turn, the axis is lost
 
 
 class RootedPrograms(Programs):
@@ -44,7 +44,9 @@ class RootedPrograms(Programs):
         cosine = 0.5 * (rotation[0, 0] + rotation[1, 1] + rotation[2, 2] - 1.0)
         sine = self.largest(self.sqrt(self.squared(sine_axis)), _NO_SINE)
         vector = sine_axis * (self.atan2(sine, cosine) / sine)
-        return self.replaced(vector, [math.pi, 0.0, 0.0], 1.0 + cosine, _HALF_A_TURN)
+        # By 1 + cos(angle) alone, the square of how far it is, rounding would lose the axis sooner.
+        short_of = sine + (1.0 + cosine)
+        return self.replaced(vector, [math.pi, 0.0, 0.0], short_of, _HALF_A_TURN)
 
 
 ROOTED_PROGRAMS = RootedPrograms()

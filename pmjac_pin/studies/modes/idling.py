@@ -15,7 +15,7 @@ import numpy as np
 
 from pmjac_pin.kinematics.many import WorldPoses
 from pmjac_pin.rates.factorisation import Factorisation
-from pmjac_pin.studies.modes.search import ManyClosures
+from pmjac_pin.studies.modes.search import FewClosures
 from pmjac_pin.studies.modes.search_problem import SearchProblem
 from pmjac_pin.values.arrays import Array, Mask
 
@@ -140,7 +140,7 @@ def _steps(problem: SearchProblem, rows: Array) -> list[tuple[WorldPoses, WorldP
 def _wandered(problem: SearchProblem, rows: Array) -> Array:
     """Return closed poses, and where they are after having idled for a while."""
     strides = np.full(problem.partition.passive.size, problem.length)
-    rng, closures = np.random.default_rng(0), ManyClosures(problem, strides)
+    rng, closures = np.random.default_rng(0), FewClosures(problem, strides)
     there = [rows]
     for _ in range(_TURNS):
         motions = _idle_motions(problem, rows)

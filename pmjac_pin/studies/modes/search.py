@@ -163,6 +163,13 @@ class ManyClosures:
         return self._descended(q, _LAST_STEPS).q
 
 
+class FewClosures(ManyClosures):
+    """The same over few poses, by NumPy: they do not pay for recording."""
+
+    def _descended(self, q: Array, patience: Patience) -> Descended:
+        return descend(self._joints, q, patience)
+
+
 def unseen_share(starts: int, question: int, confidence: float) -> float:
     """Return the bound on the share of start space whose pose has not been seen.
 
