@@ -27,7 +27,7 @@ from pmjac_pin.studies.modes.passive_joints import FORGOTTEN, IDLE_COLUMN
 from pmjac_pin.studies.modes.search_problem import SearchProblem
 from pmjac_pin.values.arrays import Array, Mask
 
-_MOST_PRODUCTS = 20_000  # of a program: those of larger machines take longer to write than to do
+_MOST_PRODUCTS = 5_000  # of a program: those of larger machines take longer to write than to do
 _NO_SIZE = 1e-150  # of a column: the joint moves nothing, and yet its size is divided by
 
 
