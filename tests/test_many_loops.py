@@ -11,11 +11,13 @@ from test_linkage import BALL
 from test_loops import LOOPS
 
 import pmjac_pin as pj
+from pmjac_pin.algebra.tape_runner import tape_kernel
+from pmjac_pin.kinematics import many
 from pmjac_pin.kinematics.loop_system import LoopSystem
 from pmjac_pin.kinematics.many import ManyLoops, ManyPoses
 from pmjac_pin.studies.modes.search_problem import search_problem
 
-MANY = 70  # poses, which go through a program
+MANY = many._MANY + 6  # poses, which go through a program
 
 
 def random_rows(model, rng, count=7):
@@ -82,7 +84,8 @@ def test_many_rows_are_those_of_one(name, rng):
     problem = search_problem(mechanism, mechanism.home.q)
     q = random_rows(problem.model, rng, MANY)
     residuals, jacobians = problem.loops.evaluate(q)
-    assert residuals.shape == (70, len(problem.partition.row_scale))
+    assert residuals.shape == (MANY, len(problem.partition.row_scale))
+    assert (problem.loops._tape is None) == (tape_kernel() is None or not problem.loops.loops.count)
     for rows in np.arange(10)[:, None]:
         some_residuals, some_jacobians = problem.loops.evaluate(q[rows])
         np.testing.assert_allclose(residuals[rows], some_residuals, atol=1e-12)

@@ -39,8 +39,7 @@ class Case:
 
     @property
     def in_lanes(self):
-        fading = float(self.joints.fading(np.ones(1))[0])
-        return DescentsInLanes(descent_kernel(), self.programs, fading)
+        return DescentsInLanes(descent_kernel(), self.programs, self.joints.stride)
 
 
 @pytest.mark.parametrize("name", CLOSED)
@@ -79,17 +78,18 @@ RULES = {
 @pytest.mark.parametrize("name", SOME)
 @pytest.mark.parametrize("rules", RULES)
 def test_ends_are_numpys(name, rules, rng):
-    """Few steps: what rounding makes of many is another matter where paths part."""
+    """Few steps, and most starts: rounding may decide where two paths part."""
     case = Case(name, rng)
     told = {"steps": 6, "enough": 1e-9, "damping": 1e-2, "least": 1e-9, "most": 1e8}
     told |= {"shrinks": 5.0, "grows": 5.0, "grows_within": 5.0} | RULES[rules]
     starts = case.draw(150)
     ends = case.in_lanes.descend(starts, Patience(**told))
     others = descend(case.joints, starts, Patience(**told))
-    for which in ("closed", "spent"):
-        assert np.count_nonzero(getattr(ends, which)) == np.count_nonzero(getattr(others, which))
-    assert np.sort(ends.gap) == pytest.approx(np.sort(others.gap), rel=1e-6, abs=1e-9)
-    assert np.sort(ends.iterations).tolist() == np.sort(others.iterations).tolist()
+    same = np.isclose(ends.gap, others.gap, rtol=1e-6, atol=1e-9)
+    same &= (abs(ends.q - others.q) < 1e-6 * (1.0 + abs(others.q))).all(axis=1)
+    for which in ("closed", "spent", "iterations"):
+        same &= getattr(ends, which) == getattr(others, which)
+    assert np.count_nonzero(~same) <= 2
 
 
 @needs_kernel

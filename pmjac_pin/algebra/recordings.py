@@ -171,10 +171,7 @@ class Recordings:
                 return self._beside(name, inputs, make, stages)
             else:
                 self._known.pop(name, None)
-        recording = Recording(inputs)
-        tape = Tape.of(recording, make(recording.inputs), stages)
-        recording.forget()
-        return tape
+        return Tape.recorded(inputs, make, stages)
 
     def _beside(self, name: str, inputs: int, make: Make, stages: Sequence[int]) -> Tape:
         if (known := self._known.get(name)) is not None:

@@ -12,13 +12,14 @@ from pmjac_pin.algebra.jets import half_skew
 from pmjac_pin.algebra.programs import Programs
 
 _NO_SINE = 1e-150  # of a turn that is none, and yet is divided by
-_HALF_A_TURN = 1e-12  # sine of an angle below which, at half a turn, the axis is lost
+_AXIS_LOST = 1e-12  # sine of an angle below which, at half a turn, the axis is lost
 
 
 class RootedPrograms(Programs):
     """Recorded numbers, and doubles among them, whose rows are those of `Floats`.
 
-    They take more operations than polynomials, and do not vanish at half a turn.
+    They take more operations than polynomials, and do not vanish at half a turn. Only for the
+    last 1e-12 rad before it the axis of a turn is lost.
 
     Examples
     --------
@@ -46,7 +47,7 @@ class RootedPrograms(Programs):
         vector = sine_axis * (self.atan2(sine, cosine) / sine)
         # By 1 + cos(angle) alone, the square of how far it is, rounding would lose the axis sooner.
         short_of = sine + (1.0 + cosine)
-        return self.replaced(vector, [math.pi, 0.0, 0.0], short_of, _HALF_A_TURN)
+        return self.replaced(vector, [math.pi, 0.0, 0.0], short_of, _AXIS_LOST)
 
 
 ROOTED_PROGRAMS = RootedPrograms()

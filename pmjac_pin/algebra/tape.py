@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -65,6 +65,33 @@ class Tape:
             How many of the outputs are to be there as early as can be, ascending.
         """
         return _Writer(recording, outputs, stages).tape()
+
+    @classmethod
+    def recorded(
+        cls,
+        inputs: int,
+        make: Callable[[Sequence[Term]], Sequence[Term | float]],
+        stages: Sequence[int] = (),
+    ) -> Tape:
+        """Return the instructions of what is made of so many inputs, of which nobody else knows.
+
+        Parameters
+        ----------
+        inputs : int
+        make : callable
+            Inputs ↦ outputs. Their recording is let go as soon as it is written.
+        stages : sequence of int
+            As of `of`.
+
+        Examples
+        --------
+        >>> Tape.recorded(2, lambda inputs: [inputs[0] * inputs[1]]).outputs
+        1
+        """
+        recording = Recording(inputs)
+        tape = cls.of(recording, make(recording.inputs), stages)
+        recording.forget()
+        return tape
 
     @classmethod
     def placed(

@@ -90,8 +90,8 @@ class Batch:
 
     def __init__(self, mechanism: Mechanism, *, compiled: bool = False) -> None:
         self.mechanism = mechanism
-        # Where paths begin, unless told: seen before there are programs of many poses, with which
-        # the next single one has its own recorded.
+        # Home is there before programs of many poses are: the next single pose after these has its
+        # own recorded.
         home = mechanism.home
         self._last_guess = home, home.q, np.broadcast_to(home.q, (1, home.q.size))
         programs = None
@@ -242,12 +242,12 @@ class Batch:
         return len(values), work, (values,) if known else (start, values)
 
     def _closed(self, count: int, out: ManyClosed | None = None) -> Wanted[ManyClosed]:
-        nq, coordinates = self._q
+        nq, coordinates = self._known_of_poses
         return Wanted(ManyClosed, shapes_of_closed(count, nq), out, coordinates)
 
     @cached_property
-    def _q(self) -> tuple[int, dict[str, JointCoordinates]]:
-        """How many entries it has, and what closed poses know of them."""
+    def _known_of_poses(self) -> tuple[int, dict[str, JointCoordinates]]:
+        """How many entries q has, and what closed poses know of them."""
         return self.mechanism.nq, {"_coordinates": self.mechanism.coordinates}
 
     def jacobian(

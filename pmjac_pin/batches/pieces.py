@@ -114,11 +114,10 @@ class Whole(_Arrays, Piece):
     Attributes
     ----------
     count : int
-    given_up, helpers
-        As of `Filling`: never, and none.
+    helpers
+        As of `Filling`: none.
     """
 
-    given_up = False
     helpers: Sequence[Rest] = ()
 
     def __init__(self, found: list[NDArray[Any]], work: PieceWork, seen: Sequence[int]) -> None:

@@ -93,7 +93,10 @@ class RatesInLanes:
         self._others, self._certain, self._count = np.empty(0), np.empty(0, dtype=bool), 0
 
     def take(self, J_eq: Array, radii: Sequence[Array] = ()) -> None:
-        """Take where J_eq goes and the radii of its blocks, row by row; of which q, it is told."""
+        """Take where J_eq goes and the radii of its blocks, row by row.
+
+        The poses are told to `run`, or by the walk that it follows.
+        """
         struct, count = self._struct, len(J_eq)
         if count > len(self._certain):
             self._make_room(count)

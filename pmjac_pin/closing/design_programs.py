@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 
 from pmjac_pin.algebra.arrays import Numbers
-from pmjac_pin.algebra.programs import PROGRAMS, Recording, Term, objects
+from pmjac_pin.algebra.programs import PROGRAMS, Term, objects
 from pmjac_pin.algebra.singular_values import singular_values
 from pmjac_pin.algebra.tape import Tape
 from pmjac_pin.algebra.tape_runner import run
@@ -93,35 +93,43 @@ class DesignPrograms:
     @cached_property
     def move(self) -> Tape:
         """`RecordedRates.move_tape`: it is the same for all."""
-        recording = Recording(self._parts.model.nq + self._parts.model.nv)
-        return Tape.of(recording, self._own.move(recording.inputs))
+        return Tape.recorded(self._parts.model.nq + self._parts.model.nv, self._own.move)
 
     @cached_property
     def between(self) -> Tape:
         """(q, q′) ↦ v with q ⊕ v = q′: it is the same for all."""
-        recording = Recording(2 * self._parts.model.nq)
-        one, other = np.split(objects(recording.inputs), 2)
-        return Tape.of(recording, between(PROGRAMS, self._own.recorder.tree, one, other).tolist())
+
+        def make(inputs: Sequence[Term]) -> list[Any]:
+            one, other = np.split(objects(inputs), 2)
+            way: list[Any] = between(PROGRAMS, self._own.recorder.tree, one, other).tolist()
+            return way
+
+        return Tape.recorded(2 * self._parts.model.nq, make)
 
     @cached_property
     def arrival(self) -> Tape:
         """`RecordedRates.arrival_tape`, gap and sizes in characteristic lengths."""
         nq, count = self._parts.model.nq, self._own.arrival_inputs
-        recording = Recording(count + self.inputs)
-        inputs, design = recording.inputs[:count], recording.inputs[count:]
-        outputs = self.rates(design).arrival(inputs)
-        for place in (nq, nq + 3, nq + 4):
-            outputs[place] = outputs[place] * design[-1]
-        return Tape.of(recording, outputs)
+
+        def make(inputs: Sequence[Term]) -> list[Any]:
+            design = inputs[count:]
+            outputs = self.rates(design).arrival(inputs[:count])
+            for place in (nq, nq + 3, nq + 4):
+                outputs[place] = outputs[place] * design[-1]
+            return outputs
+
+        return Tape.recorded(count + self.inputs, make)
 
     @cached_property
     def leg(self) -> Tape:
         """`leg_tape`."""
         count = leg_inputs(self._own.recorder)
-        recording = Recording(count + self.inputs)
-        dimensions, rates = self._recorded(recording.inputs[count:])
-        outputs = leg(rates, self._arms(dimensions), recording.inputs[:count])
-        return Tape.of(recording, outputs, LEG_STAGES)
+
+        def make(inputs: Sequence[Term]) -> list[Any]:
+            dimensions, rates = self._recorded(inputs[count:])
+            return leg(rates, self._arms(dimensions), inputs[:count])
+
+        return Tape.recorded(count + self.inputs, make, LEG_STAGES)
 
     @cached_property
     def measures(self) -> Tape:
@@ -172,9 +180,11 @@ class DesignPrograms:
 
     def _of_poses(self, record: Record) -> Tape:
         nq = self._parts.model.nq
-        recording = Recording(nq + self.inputs)
-        rates = self.rates(recording.inputs[nq:])
-        return Tape.of(recording, record(rates, recording.inputs[:nq]))
+
+        def make(inputs: Sequence[Term]) -> Sequence[Any]:
+            return record(self.rates(inputs[nq:]), inputs[:nq])
+
+        return Tape.recorded(nq + self.inputs, make)
 
     @cached_property
     def _own(self) -> RecordedRates:

@@ -95,7 +95,7 @@ class Following(NamedTuple):
     function, given : int
         Where a function in C is, and the pointer that it takes, before all q and their number.
     kept : object
-        Whose memory it points to.
+        What the pointer points to. Arrays that are pointed to from there are kept by who gave it.
     """
 
     function: int | None
@@ -155,7 +155,7 @@ class KernelWalk:
     compiled : sequence of CompiledProgram or None
         What computes the same as the tapes.
     few, patience : int
-        The last few paths take no more steps than these.
+        The last `few` paths take at most `patience` steps.
 
     Attributes
     ----------

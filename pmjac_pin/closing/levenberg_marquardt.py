@@ -95,7 +95,7 @@ class Patience:
 
 
 class Descended(NamedTuple):
-    """Where starts lead to: one, or many in the order in which they end.
+    """Where starts lead to: one, or many in their order.
 
     `closed` where the gap is small enough, `spent` where the steps were used up; the others were
     given up. `iterations` counts the steps tried until the pose was reached.
@@ -118,7 +118,7 @@ class Linearised(NamedTuple):
 
 
 class _Starts(NamedTuple):
-    """Where starts are that go on, and how they have fared."""
+    """Where starts are that go on, and how they have fared; `which` of all they are."""
 
     points: Linearised
     gap: Array
@@ -126,6 +126,7 @@ class _Starts(NamedTuple):
     creeping: Index
     least: Mask
     iterations: Index
+    which: Index
 
     def only(self, which: Mask) -> _Starts:
         points, *rest = self
@@ -136,7 +137,7 @@ class _Starts(NamedTuple):
 def descend(descent: Descent, q: Array, patience: Patience) -> Descended:
     """Return where one start q (nq,), or many (b, nq), lead to."""
     here = _begun(descent, q, patience)
-    ended: list[Descended] = []
+    ended: list[tuple[Index, Descended]] = []
     for tries in range(1, patience.steps + 1):
         closed = (here.gap <= patience.enough) | here.least
         over = closed | (here.damping >= patience.most)
@@ -212,17 +213,20 @@ def _begun(descent: Descent, q: Array, patience: Patience) -> _Starts:
     least = gap < 0.0
     nothing = 0 * least
     damping: Array = patience.damping + 0.0 * gap
-    return _Starts(points, gap, damping, nothing, least, nothing)
+    which = np.arange(gap.size).reshape(gap.shape)
+    return _Starts(points, gap, damping, nothing, least, nothing, which)
 
 
-def _ended(here: _Starts, closed: Mask, spent: Mask) -> Descended:
-    return Descended(here.points.q, here.gap, here.iterations, closed, spent)
+def _ended(here: _Starts, closed: Mask, spent: Mask) -> tuple[Index, Descended]:
+    return here.which, Descended(here.points.q, here.gap, here.iterations, closed, spent)
 
 
-def _all_ended(ended: list[Descended]) -> Descended:
-    return (
-        ended[0] if len(ended) == 1 else Descended(*map(np.concatenate, zip(*ended, strict=True)))
-    )
+def _all_ended(ended: list[tuple[Index, Descended]]) -> Descended:
+    if len(ended) == 1:
+        return ended[0][1]
+    order = np.argsort(np.concatenate([which for which, _ in ended]))
+    each = zip(*(ends for _, ends in ended), strict=True)
+    return Descended(*(np.concatenate(one)[order] for one in each))
 
 
 def _after_a_step(descent: Descent, here: _Starts, patience: Patience, tries: int) -> _Starts:
@@ -254,4 +258,5 @@ def _after_a_step(descent: Descent, here: _Starts, patience: Patience, tries: in
         creeping=~falls * (here.creeping + better),
         least=least,
         iterations=iterations,
+        which=here.which,
     )

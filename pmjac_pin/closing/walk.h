@@ -3,6 +3,7 @@
 #include <string.h>
 
 #define BOUNDS 3 /* that the leg tells of a step, a stage each */
+typedef char bounds_are_stages[BOUNDS <= MOST_STAGES ? 1 : -1];
 
 typedef struct {
     int64_t nq, nv, motors;

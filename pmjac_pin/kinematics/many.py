@@ -25,6 +25,7 @@ from pmjac_pin.values.arrays import Array
 from pmjac_pin.values.found_once import found_once
 
 if TYPE_CHECKING:
+    from pmjac_pin.algebra.programs import Term
     from pmjac_pin.algebra.tape import Tape
 
 _FLOATS = Floats()
@@ -152,13 +153,14 @@ class ManyLoops:
         """The program of the rows, None where there is no kernel that runs it."""
         if tape_runner.tape_kernel() is None or not self.loops.count:
             return None
-        from pmjac_pin.algebra.programs import Recording  # noqa: PLC0415
         from pmjac_pin.algebra.tape import Tape  # noqa: PLC0415
         from pmjac_pin.kinematics.recorded import recorded_rows  # noqa: PLC0415
 
-        recording = Recording(self._nq)
-        residual, rates = recorded_rows(self.loops, recording.inputs, self._nv)
-        return Tape.of(recording, [*residual, *rates.ravel()])
+        def make(q: Sequence[Term]) -> list[Term | float]:
+            residual, rates = recorded_rows(self.loops, q, self._nv)
+            return [*residual, *rates.ravel()]
+
+        return Tape.recorded(self._nq, make)
 
     def _evaluated(self, q: Array) -> tuple[Array, Array]:
         poses, loops = self._poses.at(q), self.loops

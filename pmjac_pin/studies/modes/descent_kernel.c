@@ -96,6 +96,7 @@ static int64_t ended(const Descent *all, const Lane *lane)
 }
 
 /* Look at where all lanes are, take what is nearer, and let go of what has ended. */
+FOR_EACH_PROCESSOR
 static void judge(Descent *all)
 {
     int64_t nearer[LANES];

@@ -34,12 +34,12 @@ class DescentsInLanes:
     library : ctypes.CDLL
         The kernel.
     programs : RecordedDescent
-    fading : float
-        Damping is multiplied by so much of the gap, 1/m.
+    stride : float
+        Damping is multiplied by the gap in such strides, m.
     """
 
-    def __init__(self, library: ctypes.CDLL, programs: RecordedDescent, fading: float) -> None:
-        self._library, self._programs, self._fading = library, programs, fading
+    def __init__(self, library: ctypes.CDLL, programs: RecordedDescent, stride: float) -> None:
+        self._library, self._programs, self._stride = library, programs, stride
 
     def descend(self, starts: Array, patience: Patience) -> Descended:
         """Return where starts (b, nq) lead to, in their order."""
@@ -58,7 +58,7 @@ class DescentsInLanes:
             known=programs.pose.outputs - 1,
             unknowns=programs.unknowns,
             count=count,
-            fading=self._fading,
+            fading=1.0 / self._stride,
             **{name: getattr(patience, name) for name in patience.__slots__},
         )
         while self._library.pmjac_descend(ctypes.byref(descent), _ROUNDS_OF_A_CALL):

@@ -18,15 +18,21 @@ class PassiveJoints:
     Each unknown is eased by what it moves the loops by (Marquardt's scaling), so that damping
     holds back no joint for moving the loops little: a platform's turn moves them by its own size
     only, however long its legs are.
+
+    Attributes
+    ----------
+    stride : float
+        The longest that one step may be, m.
     """
 
-    __slots__ = ("_problem", "_scale", "_strides")
+    __slots__ = ("_problem", "_scale", "_strides", "stride")
 
     solution = staticmethod(by_normal_equations)
 
     def __init__(self, problem: SearchProblem, strides: Array) -> None:
         self._problem, self._strides = problem, strides
         self._scale = problem.partition.column_scale[problem.partition.passive]
+        self.stride = float(strides.max(initial=problem.length))
 
     def evaluate(self, q: Array) -> tuple[Array, Array]:
         """Return η in m and K* on the scaled columns."""
@@ -50,7 +56,7 @@ class PassiveJoints:
 
     def fading(self, gap: Array) -> Array:
         """Return the gap, in strides."""
-        return gap / float(self._strides.max(initial=self._problem.length))
+        return gap / self.stride
 
     def bounded(self, q: Array, step: Array) -> Array:
         """Return steps of the scaled columns, each no longer than a stride."""

@@ -1,7 +1,8 @@
 """What damped least squares of many starts takes, as two programs of a search problem.
 
-The first is of a pose, of the scaled rows J = ∂η/∂v of the passive joints, their sizes sⱼ = |J_j|
-among it, the second of a step from there, with sizes remembered and the damping λ:
+The first is of a pose, of the scaled rows J = ∂η/∂v of the passive joints, the squares of their
+sizes sⱼ = |J_j| on the diagonal of JᵀJ, the second of a step from there, with sizes
+remembered and the damping λ:
 
     q ↦ |η|, JᵀJ, Jᵀη
     q, JᵀJ, Jᵀη, s', λ ↦ q ⊕ x, s, |x|,
@@ -16,7 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from pmjac_pin.algebra.arrays import Numbers
-from pmjac_pin.algebra.programs import PROGRAMS, Recording, Term, largest, root, zeros
+from pmjac_pin.algebra.programs import PROGRAMS, Term, largest, objects, root, zeros
 from pmjac_pin.algebra.tape import Tape
 from pmjac_pin.closing.levenberg_marquardt import TINY_SQUARE
 from pmjac_pin.kinematics.joint_steps import moved_by
@@ -27,7 +28,7 @@ from pmjac_pin.studies.modes.passive_joints import FORGOTTEN, IDLE_COLUMN
 from pmjac_pin.studies.modes.search_problem import SearchProblem
 from pmjac_pin.values.arrays import Array, Mask
 
-_MOST_PRODUCTS = 5_000  # of a program: those of larger machines take longer to write than to do
+_MOST_PRODUCTS = 5_000  # of an elimination: programs of more take longer to write than they save
 _NO_SIZE = 1e-150  # of a column: the joint moves nothing, and yet its size is divided by
 
 
@@ -60,15 +61,17 @@ def recorded_descent(problem: SearchProblem, strides: Array) -> RecordedDescent 
     """
     if not strides.size or _products(_tied(_felt(problem))) > _MOST_PRODUCTS:
         return None
-    recording = Recording(problem.model.nq)
-    error, rows = _scaled_rows(problem, recording.inputs)
-    places = _tied(np.not_equal(rows, 0.0).astype(bool))
-    normal = [dot(rows[:, one], rows[:, other]) for one, other in places]
-    downhill = [dot(column, error) for column in rows.T]
-    pose = Tape.of(recording, [norm(error), *normal, *downhill])
-    recording.forget()
-    step = _step_tape(problem, strides, places)
-    return RecordedDescent(pose, step, problem.model.nq, strides.size)
+    places: list[UpperPlace] = []
+
+    def pose(q: Sequence[Term]) -> list[Any]:
+        error, rows = _scaled_rows(problem, q)
+        places.extend(_tied(np.not_equal(rows, 0.0).astype(bool)))
+        normal = [dot(rows[:, one], rows[:, other]) for one, other in places]
+        return [norm(error), *normal, *(dot(column, error) for column in rows.T)]
+
+    nq = problem.model.nq
+    tape = Tape.recorded(nq, pose)
+    return RecordedDescent(tape, _step_tape(problem, strides, places), nq, strides.size)
 
 
 def _felt(problem: SearchProblem) -> Mask:
@@ -101,33 +104,28 @@ def _scaled_rows(problem: SearchProblem, q: Sequence[Term]) -> tuple[Numbers, Nu
     return residual * partition.row_scale, rates[:, partition.passive] * scale
 
 
-def _step_tape(
-    problem: SearchProblem,
-    strides: Array,
-    places: Sequence[UpperPlace],
-) -> Tape:
+def _step_tape(problem: SearchProblem, strides: Array, places: Sequence[UpperPlace]) -> Tape:
     nq, unknowns = problem.model.nq, strides.size
-    recording = Recording(nq + len(places) + 2 * unknowns + 1)
-    inputs = list(recording.inputs)
-    q, inputs = inputs[:nq], inputs[nq:]
-    normal = dict(zip(places, inputs, strict=False))
-    downhill, before = inputs[len(places) : -unknowns - 1], inputs[-unknowns - 1 : -1]
-    sizes = _column_sizes([normal.get((k, k), 0.0) for k in range(unknowns)], before)
-    ease = [1.0 / size for size in sizes]
-    eased = {(i, j): entry * ease[i] * ease[j] for (i, j), entry in normal.items()}
-    for k in range(unknowns):
-        eased[k, k] = eased.get((k, k), 0.0) + inputs[-1] + TINY_SQUARE
-    right = [entry * each for entry, each in zip(downhill, ease, strict=True)]
-    found = Elimination.of(list(eased)).solve(eased, right)
-    x = np.array([-(each * one) for each, one in zip(ease, found, strict=True)], dtype=object)
-    length = norm(x / strides)
-    moved = _after_step(problem, q, x / largest(length, 1.0))
-    tape = Tape.of(recording, [*moved, *sizes, length])
-    recording.forget()
-    return tape
+    ends = np.cumsum([nq, len(places), unknowns, unknowns]).tolist()
+
+    def step(inputs: Sequence[Term]) -> list[Any]:
+        q, entries, downhill, before, [damping] = np.split(objects(inputs), ends)
+        normal: dict[UpperPlace, Any] = dict(zip(places, entries.tolist(), strict=True))
+        sizes = _column_sizes([normal.get((k, k), 0.0) for k in range(unknowns)], before)
+        ease = [1.0 / size for size in sizes]
+        eased = {(i, j): entry * ease[i] * ease[j] for (i, j), entry in normal.items()}
+        for k in range(unknowns):
+            eased[k, k] = eased.get((k, k), 0.0) + damping + TINY_SQUARE
+        right = [entry * each for entry, each in zip(downhill, ease, strict=True)]
+        found = Elimination.of(list(eased)).solve(eased, right)
+        x = objects(-(each * one) for each, one in zip(ease, found, strict=True))
+        length = norm(x / strides)
+        return [*_after_step(problem, q, x / largest(length, 1.0)), *sizes, length]
+
+    return Tape.recorded(ends[-1] + 1, step)
 
 
-def _column_sizes(squares: Sequence[Any], before: Sequence[Term]) -> list[Any]:
+def _column_sizes(squares: Sequence[Any], before: Numbers) -> list[Any]:
     """Return the sizes of the columns: they shrink slowly, and none is tiny beside the others."""
     sizes = [
         largest(FORGOTTEN * old, root(square)) for old, square in zip(before, squares, strict=True)
@@ -139,9 +137,9 @@ def _column_sizes(squares: Sequence[Any], before: Sequence[Term]) -> list[Any]:
     return [largest(size, least) for size in sizes]
 
 
-def _after_step(problem: SearchProblem, q: Sequence[Term], x: Numbers) -> Numbers:
+def _after_step(problem: SearchProblem, q: Numbers, x: Numbers) -> Numbers:
     """Record q ⊕ v of a step of the scaled passive motions."""
     partition = problem.partition
     v = zeros(problem.model.nv)
     v[partition.passive] = x * partition.column_scale[partition.passive]
-    return moved_by(PROGRAMS, problem.tree.tree, np.array(q, dtype=object), v)
+    return moved_by(PROGRAMS, problem.tree.tree, q, v)

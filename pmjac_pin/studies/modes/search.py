@@ -118,8 +118,9 @@ class ManyClosures:
         if (library := descent_kernel()) is None:
             return None
         programs = recorded_descent(self.problem, self.strides)
-        fading = float(self._joints.fading(np.ones(1))[0])
-        return None if programs is None else DescentsInLanes(library, programs, fading)
+        if programs is None:
+            return None
+        return DescentsInLanes(library, programs, self._joints.stride)
 
     def _falling(self, ends: Ends) -> Array:
         """Return the open rows whose gap falls along an undamped step, as its first order says."""
