@@ -18,8 +18,8 @@ from test_intervals import (
 )
 
 from pmjac_pin.algebra.intervals import Intervals
-from pmjac_pin.algebra.programs import Recording
 from pmjac_pin.algebra.tape import INSTRUCTIONS, Tape
+from pmjac_pin.algebra.terms import Recording
 from pmjac_pin.studies.modes.pruning_kernel import LoopsInLanes, pruning_kernel
 
 pytestmark = pytest.mark.skipif(pruning_kernel() is None, reason="no kernel was built")

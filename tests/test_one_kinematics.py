@@ -17,9 +17,10 @@ from pmjac_pin.algebra.boxes import Boxes
 from pmjac_pin.algebra.floats import Floats
 from pmjac_pin.algebra.intervals import Intervals
 from pmjac_pin.algebra.polynomials import Polynomials, symbols
-from pmjac_pin.algebra.programs import Programs, Recording, Term
+from pmjac_pin.algebra.programs import Programs
 from pmjac_pin.algebra.rooted_programs import RootedPrograms
 from pmjac_pin.algebra.series import SeriesAlgebra
+from pmjac_pin.algebra.terms import Recording, Term
 from pmjac_pin.kinematics.loop_system import LoopSystem
 from pmjac_pin.kinematics.loops import Loops, by_twists, riding
 from pmjac_pin.kinematics.tree import Poses, Tree

@@ -9,8 +9,9 @@ import pytest
 import pmjac_pin as pj
 from pmjac_pin.algebra.floats import Floats
 from pmjac_pin.algebra.numpy_tape import run
-from pmjac_pin.algebra.programs import PROGRAMS, Recording, objects
+from pmjac_pin.algebra.programs import PROGRAMS, objects
 from pmjac_pin.algebra.tape import Tape
+from pmjac_pin.algebra.terms import Recording
 from pmjac_pin.kinematics.joint_steps import arriving, between, entry_rates, moved_by
 from pmjac_pin.kinematics.recorded import Recorder
 from pmjac_pin.kinematics.tree import Tree

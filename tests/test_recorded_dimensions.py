@@ -7,9 +7,9 @@ import pytest
 from mechanisms import PARAMETRISED, loaded, mostly_slow
 
 import pmjac_pin as pj
-from pmjac_pin.algebra.programs import Recording
 from pmjac_pin.algebra.tape import Tape
 from pmjac_pin.algebra.tape_runner import run
+from pmjac_pin.algebra.terms import Recording
 
 CHAIN = """<robot name="chain"><link name="base"/>
 <joint name="lead" type="revolute"><parent link="base"/><child link="arm"/>

@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 
 import pmjac_pin as pj
-from pmjac_pin.algebra.programs import Recording, largest, root
+from pmjac_pin.algebra.programs import largest, root
 from pmjac_pin.algebra.recordings import Recordings
 from pmjac_pin.algebra.tape import Tape, _Writer
 from pmjac_pin.algebra.tape_runner import run
+from pmjac_pin.algebra.terms import Recording
 
 QUICK = ("four_bar", "slider_crank")
 WITH_PARAMETERS = [

@@ -11,10 +11,11 @@ import pytest
 import pmjac_pin as pj
 from pmjac_pin.algebra import numpy_tape
 from pmjac_pin.algebra.c_kernels import loaded
-from pmjac_pin.algebra.programs import Recording, largest, root, with_sign
+from pmjac_pin.algebra.programs import largest, root, with_sign
 from pmjac_pin.algebra.singular_values import VALUES_TAKE, singular_values, values_in
 from pmjac_pin.algebra.tape import INSTRUCTIONS, Tape
 from pmjac_pin.algebra.tape_runner import TAPE_TAKES, run_in
+from pmjac_pin.algebra.terms import Recording
 
 ROOT = Path(__file__).resolve().parent.parent
 ALGEBRA = ROOT / "pmjac_pin" / "algebra"

@@ -9,7 +9,7 @@ import numpy as np
 from pmjac_pin.adapters import importing
 from pmjac_pin.algebra.arrays import Numbers
 from pmjac_pin.algebra.program_text import function_name
-from pmjac_pin.algebra.programs import Operand, Term
+from pmjac_pin.algebra.terms import Operand, Term
 from pmjac_pin.studies.program import Program
 from pmjac_pin.values.checks import check_kind
 

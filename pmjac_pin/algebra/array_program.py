@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pmjac_pin.algebra.programs import Operand, Operation, Recording, Term
 from pmjac_pin.algebra.tape import uses
+from pmjac_pin.algebra.terms import Operand, Operation, Recording, Term
 from pmjac_pin.values.arrays import Array, Index
 
 

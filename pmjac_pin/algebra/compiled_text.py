@@ -28,7 +28,7 @@ def compiled_text(tape: Tape) -> str:
 
     Examples
     --------
-    >>> from pmjac_pin.algebra.programs import Recording
+    >>> from pmjac_pin.algebra.terms import Recording
     >>> recording = Recording(2)
     >>> x, y = recording.inputs
     >>> text = compiled_text(Tape.of(recording, [x * y + 1.0]))

@@ -9,7 +9,8 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 from pmjac_pin.algebra.arrays import Numbers
-from pmjac_pin.algebra.programs import Term, objects
+from pmjac_pin.algebra.programs import objects
+from pmjac_pin.algebra.terms import Term
 
 
 class ComplexTerm:
@@ -17,7 +18,7 @@ class ComplexTerm:
 
     Examples
     --------
-    >>> from pmjac_pin.algebra.programs import Recording
+    >>> from pmjac_pin.algebra.terms import Recording
     >>> recording = Recording(2)
     >>> [z] = complex_terms(recording.inputs)
     >>> (z * 0.0).real, (z * 1j).imag is z.real, len(recording.terms)

@@ -7,8 +7,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from pmjac_pin.algebra.programs import Operand, Recording, Term
 from pmjac_pin.algebra.tape import uses
+from pmjac_pin.algebra.terms import Operand, Recording, Term
 
 
 def apart(

@@ -7,9 +7,9 @@ from collections.abc import Mapping
 import numpy as np
 
 from pmjac_pin.algebra.arrays import Numbers
-from pmjac_pin.algebra.programs import Recording
 from pmjac_pin.algebra.tape import Tape
 from pmjac_pin.algebra.tape_runner import run
+from pmjac_pin.algebra.terms import Recording
 from pmjac_pin.values.arrays import Array
 
 

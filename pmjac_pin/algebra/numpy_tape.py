@@ -27,7 +27,7 @@ def run(tape: Tape, inputs: Array) -> Array:
 
     Examples
     --------
-    >>> from pmjac_pin.algebra.programs import Recording
+    >>> from pmjac_pin.algebra.terms import Recording
     >>> recording = Recording(2)
     >>> x, y = recording.inputs
     >>> tape = Tape.of(recording, [x * y + 1.0, 5.0])

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
 from typing import TypeAlias
 
 from pmjac_pin.algebra.arrays import Numbers
-from pmjac_pin.algebra.programs import Operand, Recording, Term
+from pmjac_pin.algebra.terms import Operand, Recording, Term
 from pmjac_pin.errors import ArgumentError, quoted
 
 Outputs: TypeAlias = Mapping[str, Numbers]

@@ -12,7 +12,8 @@ from numpy.typing import ArrayLike
 
 from pmjac_pin.algebra.arrays import Numbers
 from pmjac_pin.algebra.intervals import Intervals
-from pmjac_pin.algebra.programs import Programs, Recording, Term, objects
+from pmjac_pin.algebra.programs import Programs, objects
+from pmjac_pin.algebra.terms import Recording, Term
 from pmjac_pin.values.arrays import Array
 
 

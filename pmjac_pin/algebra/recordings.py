@@ -15,8 +15,8 @@ from threading import Lock
 import numpy as np
 from numpy.typing import NDArray
 
-from pmjac_pin.algebra.programs import Operand, Operation, Recording, Term
 from pmjac_pin.algebra.tape import Tape
+from pmjac_pin.algebra.terms import Operand, Operation, Recording, Term
 from pmjac_pin.values.arrays import Array, read_only
 
 RecordedOutputs = Sequence[Term | float]

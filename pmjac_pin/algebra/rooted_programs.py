@@ -23,7 +23,7 @@ class RootedPrograms(Programs):
 
     Examples
     --------
-    >>> from pmjac_pin.algebra.programs import Recording
+    >>> from pmjac_pin.algebra.terms import Recording
     >>> rooted, recording = RootedPrograms(), Recording(1)
     >>> x = rooted.numbers(recording.inputs)
     >>> rooted.replaced(x, [2.0], x, 1.0).shape

@@ -6,7 +6,7 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from types import MappingProxyType
 from typing import Any
 
-from pmjac_pin.algebra.programs import Term
+from pmjac_pin.algebra.terms import Term
 from pmjac_pin.errors import ArgumentError
 
 
@@ -28,7 +28,7 @@ def tangents(outputs: Sequence[Any], inputs: Sequence[Term], rates: Sequence[Any
 
     Examples
     --------
-    >>> from pmjac_pin.algebra.programs import Recording
+    >>> from pmjac_pin.algebra.terms import Recording
     >>> recording = Recording(2)
     >>> x, v = recording.inputs
     >>> [slope] = tangents([x * x * 3.0], [x], [v])

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pmjac_pin.algebra.programs import Operand, Recording, Term
+from pmjac_pin.algebra.terms import Operand, Recording, Term
 from pmjac_pin.values.arrays import Array, read_only
 
 #: What instructions do; the last three are a·b + c, a·b − c and c − a·b.

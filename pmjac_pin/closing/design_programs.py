@@ -20,10 +20,11 @@ from typing import Any
 import numpy as np
 
 from pmjac_pin.algebra.arrays import Numbers
-from pmjac_pin.algebra.programs import PROGRAMS, Term, objects
+from pmjac_pin.algebra.programs import PROGRAMS, objects
 from pmjac_pin.algebra.singular_values import singular_values
 from pmjac_pin.algebra.tape import Tape
 from pmjac_pin.algebra.tape_runner import run
+from pmjac_pin.algebra.terms import Term
 from pmjac_pin.closing.arms import Arms, arms_of
 from pmjac_pin.closing.blueprint import Blueprint
 from pmjac_pin.closing.parts import Parts

@@ -14,7 +14,8 @@ import numpy as np
 import pinocchio as pin
 
 from pmjac_pin.algebra.arrays import Numbers
-from pmjac_pin.algebra.programs import PROGRAMS, Term, objects
+from pmjac_pin.algebra.programs import PROGRAMS, objects
+from pmjac_pin.algebra.terms import Term
 from pmjac_pin.closing.blueprint import Blueprint
 from pmjac_pin.closing.parts import Parts
 from pmjac_pin.errors import ArgumentError

@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 
 from pmjac_pin.algebra.arrays import Numbers
-from pmjac_pin.algebra.programs import PROGRAMS, Term, objects, zeros
+from pmjac_pin.algebra.programs import PROGRAMS, objects, zeros
 from pmjac_pin.algebra.tape import Tape
+from pmjac_pin.algebra.terms import Term
 from pmjac_pin.closing.arms import Arms
 from pmjac_pin.closing.recorded_idle import idle_motions
 from pmjac_pin.closing.recorded_rates import RecordedRates

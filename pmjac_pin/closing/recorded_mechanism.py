@@ -20,9 +20,9 @@ from pmjac_pin.model.twist_frame import FrameName
 from pmjac_pin.values.arrays import Array
 
 if TYPE_CHECKING:
-    from pmjac_pin.algebra.programs import Term
     from pmjac_pin.algebra.recordings import Recordings
     from pmjac_pin.algebra.tape import Tape
+    from pmjac_pin.algebra.terms import Term
     from pmjac_pin.closing.arms import Arms
     from pmjac_pin.closing.blueprint import Blueprint
     from pmjac_pin.closing.design_homes import DesignsOfFile

@@ -9,9 +9,10 @@ from typing import Any
 import numpy as np
 
 from pmjac_pin.algebra.lane_programs import ThreadMemory
-from pmjac_pin.algebra.programs import Term, objects, zeros
+from pmjac_pin.algebra.programs import objects, zeros
 from pmjac_pin.algebra.tangents import tangents
 from pmjac_pin.algebra.tape import Tape
+from pmjac_pin.algebra.terms import Term
 from pmjac_pin.closing.recorded_rates import RecordedRates
 from pmjac_pin.kinematics.joint_steps import entry_rates
 from pmjac_pin.rates.sparse_qr import Triangle

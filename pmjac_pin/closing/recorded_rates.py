@@ -15,10 +15,11 @@ from typing import Any
 import numpy as np
 
 from pmjac_pin.algebra.arrays import Numbers
-from pmjac_pin.algebra.programs import PROGRAMS, Term, largest, objects, zeros
+from pmjac_pin.algebra.programs import PROGRAMS, largest, objects, zeros
 from pmjac_pin.algebra.recordings import Recordings
 from pmjac_pin.algebra.tangents import tangents
 from pmjac_pin.algebra.tape import Tape
+from pmjac_pin.algebra.terms import Term
 from pmjac_pin.closing.closure_problem import ClosureProblem
 from pmjac_pin.closing.recorded_idle import IdleColumn, idle_columns, idle_motions, smallest
 from pmjac_pin.kinematics.joint_steps import entry_rates, moved_by

@@ -25,8 +25,9 @@ from typing import Any
 import numpy as np
 
 from pmjac_pin.algebra.arrays import Numbers
-from pmjac_pin.algebra.programs import PROGRAMS, Term, largest, objects, roots, zeros
+from pmjac_pin.algebra.programs import PROGRAMS, largest, objects, roots, zeros
 from pmjac_pin.algebra.tape import Tape
+from pmjac_pin.algebra.terms import Term
 from pmjac_pin.closing.arms import Arms
 from pmjac_pin.closing.bends import Bends, MotionSeries
 from pmjac_pin.closing.recorded_rates import RecordedRates

@@ -25,8 +25,8 @@ from pmjac_pin.values.arrays import Array
 from pmjac_pin.values.found_once import found_once
 
 if TYPE_CHECKING:
-    from pmjac_pin.algebra.programs import Term
     from pmjac_pin.algebra.tape import Tape
+    from pmjac_pin.algebra.terms import Term
 
 _FLOATS = Floats()
 _MANY = 64  # poses: few do not pay for recording

@@ -12,8 +12,9 @@ import pinocchio as pin
 
 from pmjac_pin.algebra.arrays import Numbers
 from pmjac_pin.algebra.jets import Jet
-from pmjac_pin.algebra.programs import PROGRAMS, Programs, Term, objects, root, zeros
+from pmjac_pin.algebra.programs import PROGRAMS, Programs, objects, root, zeros
 from pmjac_pin.algebra.rooted_programs import ROOTED_PROGRAMS
+from pmjac_pin.algebra.terms import Term
 from pmjac_pin.kinematics.dimensions import Dimensions, Placement
 from pmjac_pin.kinematics.loops import Loops, by_twists
 from pmjac_pin.kinematics.tool import spanned_jacobian, spanned_rotation

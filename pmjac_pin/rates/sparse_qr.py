@@ -13,7 +13,8 @@ from typing import Any
 import numpy as np
 
 from pmjac_pin.algebra.arrays import Numbers
-from pmjac_pin.algebra.programs import Term, root, with_sign, zeros
+from pmjac_pin.algebra.programs import root, with_sign, zeros
+from pmjac_pin.algebra.terms import Term
 from pmjac_pin.values.arrays import Mask
 
 

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 from pmjac_pin.algebra.arrays import Numbers
 from pmjac_pin.algebra.named_outputs import named_outputs
 from pmjac_pin.algebra.program_text import C_WORDS, c_text, function_name, python_text
-from pmjac_pin.algebra.programs import Recording, Term
+from pmjac_pin.algebra.terms import Recording, Term
 from pmjac_pin.closing.recorded_rates import RecordedRates
 from pmjac_pin.errors import ArgumentError, quoted, unknown_name
 from pmjac_pin.mechanism import Mechanism

@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 from pmjac_pin.algebra.arrays import Numbers
 from pmjac_pin.algebra.complex_terms import complex_terms, real_and_imaginary
 from pmjac_pin.algebra.polynomials import Symbols, symbols
-from pmjac_pin.algebra.programs import Recording
 from pmjac_pin.algebra.tape import Tape
+from pmjac_pin.algebra.terms import Recording
 from pmjac_pin.errors import ArgumentError
 from pmjac_pin.kinematics.loops import pair_of
 from pmjac_pin.model.linkage import edges_of

@@ -17,8 +17,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from pmjac_pin.algebra.arrays import Numbers
-from pmjac_pin.algebra.programs import PROGRAMS, Term, largest, objects, root, zeros
+from pmjac_pin.algebra.programs import PROGRAMS, largest, objects, root, zeros
 from pmjac_pin.algebra.tape import Tape
+from pmjac_pin.algebra.terms import Term
 from pmjac_pin.closing.levenberg_marquardt import TINY_SQUARE
 from pmjac_pin.kinematics.joint_steps import moved_by
 from pmjac_pin.kinematics.recorded import recorded_rows

@@ -17,8 +17,9 @@ import numpy as np
 
 from pmjac_pin.algebra.arrays import Numbers
 from pmjac_pin.algebra.named_outputs import named_outputs
-from pmjac_pin.algebra.programs import PROGRAMS, Recording, Term, objects, zeros
+from pmjac_pin.algebra.programs import PROGRAMS, objects, zeros
 from pmjac_pin.algebra.tangents import tangents
+from pmjac_pin.algebra.terms import Recording, Term
 from pmjac_pin.closing.recorded_rates import RecordedRates
 from pmjac_pin.errors import ArgumentError
 from pmjac_pin.kinematics.joint_steps import entry_rates, moved_by
