@@ -2,13 +2,15 @@
 
     python benchmarks/bench_sweep.py [N]
 
-N is a million unless told; ten million take some minutes. The cost of a pose beside that of the
-largest N is what counts: of closing, J_eq and its singular values, in seconds of the processor, on
+N is a million unless told; ten million take some minutes. The cost of a pose beside that among
+100,000 is what counts: of closing, J_eq and its singular values, in seconds of the processor, on
 one thread, once with new arrays for the results, which lie where those before have left memory, and
-once with those of a call before (`out=`). All N come in turn, each after calls that are not
-counted: where a virtual machine touches memory for the first time that its host has yet to give, a
-page of 4 KB takes 7 µs, as long as some tens of poses. What a call costs whatever its size shows at
-a thousand poses of the quickest machine. And that the sweep stays within its memory.
+once with those of a call before (`out=`). Both come in turn, for as many poses together, and the
+median of the pairs is told: what else goes on beside a virtual machine changes its pace by half
+from one second to the next. Calls before are not counted: where memory is touched for the first
+time that the host has yet to give, a page of 4 KB takes 7 µs, as long as some tens of poses. What a
+call costs whatever its size shows at a thousand poses of the quickest machine. And that the sweep
+stays within its memory.
 """
 
 from __future__ import annotations
@@ -27,7 +29,7 @@ import pmjac_pin as pj
 
 NAME, SLOWER, MEASURES = "five_bar", "three_rps", ("J_eq", "smallest")
 SPREAD = 0.03  # rad, or m
-ROUNDS = 5
+BESIDE, POSES, FEWEST_PAIRS = 10**5, 6 * 10**6, 3
 CHUNK = 100_000
 CAP = 2e9  # bytes
 PAPER = 10**8
@@ -57,40 +59,61 @@ def swept(count: int, out: Path) -> float:
     )
 
 
-def trial(many: pj.Batch, count: int) -> Callable[[], tuple[float, float]]:
-    """Return what gives seconds a pose: with results in new arrays, and in those before."""
-    home = many.mechanism.home.actuated
-    values = home + np.random.default_rng(0).uniform(-SPREAD, SPREAD, (count, home.size))
-    known = many.ellipsoids_at(values, threads=1)
-    many.ellipsoids_at(values, threads=1)
+def looked_at(results: tuple[pj.ManyClosed, pj.ManyEllipsoids]) -> list[object]:
+    """Look at what was asked for: arrays of results are shown when somebody does."""
+    poses, found = results
+    return [poses.status, found.J_eq, found.velocity_radii, found.angular_radii]
 
-    def costs() -> tuple[float, float]:
-        anew, again = [], []
-        for _ in range(max(1, min(100, 10**6 // count))):
-            anew.append(seconds(lambda: many.ellipsoids_at(values, threads=1)) / count)
-            again.append(seconds(lambda: many.ellipsoids_at(values, threads=1, out=known)) / count)
-        return statistics.median(anew), statistics.median(again)
 
-    return costs
+class Trial:
+    """So many poses at once: seconds a pose with results in new arrays, and in those before."""
+
+    def __init__(self, many: pj.Batch, count: int) -> None:
+        home = many.mechanism.home.actuated
+        values = home + np.random.default_rng(0).uniform(-SPREAD, SPREAD, (count, home.size))
+        known = many.ellipsoids_at(values, threads=1)
+        self.count = count
+        self.ways = [
+            lambda: looked_at(many.ellipsoids_at(values, threads=1)),
+            lambda: looked_at(many.ellipsoids_at(values, threads=1, out=known)),
+        ]
+        for way in self.ways:
+            way()
+
+    def cost(self, way: int, poses: int) -> float:
+        """Return the cost of a pose among calls for so many poses together."""
+        calls = max(1, poses // self.count)
+        taken = seconds(lambda: [self.ways[way]() for _ in range(calls)])
+        return taken / (calls * self.count)
 
 
 def sizes(most: int) -> list[int]:
     return [10**k for k in range(3, 9) if 10**k <= most]
 
 
+def side_by_side(one: Trial, beside: Trial, way: int) -> tuple[float, float]:
+    """Return the cost of a pose, and its ratio to that of another trial: medians of pairs."""
+    poses = max(one.count, beside.count)
+    pairs = []
+    for number in range(max(FEWEST_PAIRS, POSES // poses)):
+        both = [one, beside]
+        costs = {it.count: it.cost(way, poses) for it in (both if number % 2 else both[::-1])}
+        pairs.append((costs[one.count], costs[one.count] / costs[beside.count]))
+    cost, ratio = (statistics.median(column) for column in zip(*pairs, strict=True))
+    return cost, ratio
+
+
 def flatness(many: pj.Batch, name: str, most: int) -> None:
-    """Print what a pose costs for each N, and that beside the cost of the largest, in turn."""
-    trials = {count: trial(many, count) for count in sizes(most)}
-    largest = max(trials)
-    rounds = [{count: costs() for count, costs in trials.items()} for _ in range(ROUNDS)]
+    """Print what a pose costs for each N, and that beside its cost among `BESIDE`, in turn."""
+    beside = Trial(many, BESIDE)
     print(f"{name}: closed, with J_eq and radii, in new arrays and in those before")
-    for count in trials:
+    for count in sizes(most):
+        one = Trial(many, count)
         columns = ""
         for way in (0, 1):
-            cost = statistics.median(one[count][way] for one in rounds)
-            ratio = statistics.median(one[count][way] / one[largest][way] for one in rounds)
+            cost, ratio = side_by_side(one, beside, way)
             columns += f"{1e6 * cost:8.3f} µs × {ratio:.2f}"
-        print(f"{count:>9d}{columns}")
+        print(f"{count:>9d}{columns}", flush=True)
 
 
 def main() -> None:

@@ -13,8 +13,7 @@ from test_batch import NAMES, machine, targets
 from test_filled_again import equal
 
 import pmjac_pin as pj
-from pmjac_pin.batches import filled_again, judge
-from pmjac_pin.batches.gathering import Wanted
+from pmjac_pin.batches import filled_again, gathering, judge
 from pmjac_pin.batches.many_rates import ManyRates
 from pmjac_pin.batches.pieces import PIECE, pieces_of
 from pmjac_pin.batches.rates_in_lanes import rates_kernel
@@ -134,7 +133,7 @@ def test_whoever_interrupts_leaves_what_is_to_be_filled(rng, monkeypatch):
     def interrupt(*given):
         raise KeyboardInterrupt
 
-    for place, name in ((filled_again, "_check_to_be_filled"), (Wanted, "renew")):
+    for place, name in ((filled_again, "_check_to_be_filled"), (gathering, "let_know")):
         with monkeypatch.context() as context:
             context.setattr(place, name, interrupt)
             with pytest.raises(KeyboardInterrupt):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import struct
 
 import numpy as np
@@ -103,11 +104,11 @@ def test_a_mode_that_lies_below_is_in_view(open_page):  # noqa: F811
         edge = pixels(page)
         drawn = np.abs(edge - edge[:, :1]).max(axis=2) > 25
         assert not drawn[-1].any()
-        below = page.evaluate(CAMERA)
+        below = json.loads(page.evaluate(CAMERA))
         page.locator("#modes button").nth(len(modes) - 2).click()
         page.locator("#modes button").last.click()
         quiet(page)
-        assert page.evaluate(CAMERA) == below
+        assert json.loads(page.evaluate(CAMERA)) == pytest.approx(below, abs=1e-9)
 
 
 def test_the_picture_to_keep_is_large_and_has_its_legend(viewer, open_page, tmp_path):  # noqa: F811

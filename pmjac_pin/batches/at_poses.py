@@ -30,7 +30,7 @@ RatesWork: TypeAlias = Callable[..., object]
 
 
 class AtPoses:
-    """Finds it at poses of one mechanism.
+    """Finds it at poses of one mechanism, or raises NoToolError.
 
     Parameters
     ----------
@@ -46,6 +46,7 @@ class AtPoses:
 
     def jacobian(self, frame: FrameName) -> RatesWork:
         """Return what finds J_eq and its status."""
+        self._mechanism.need_tool()
         rates = self._rates(self._recorded.jacobian(frame))
 
         def work(piece: Piece, q: Array, J_eq: Array, status: Statuses) -> None:
@@ -60,6 +61,7 @@ class AtPoses:
 
     def measures(self) -> RatesWork:
         """Return what finds those of `ManyMeasures`."""
+        self._mechanism.need_tool()
         rates, partition = self._rates(self._recorded.measures), self._recorded.rates.partition
 
         def work(piece: Piece, q: Array, *found: Any) -> None:
@@ -76,6 +78,7 @@ class AtPoses:
 
     @cached_property
     def _ellipsoids(self) -> EllipsoidsWork:
+        self._mechanism.need_tool()
         return EllipsoidsWork(self._rates(self._recorded.ellipsoids), self._judge)
 
     def _rates(self, tape: Tape) -> ManyRates:

@@ -145,7 +145,7 @@ class Batch:
             and guesses the status tells.
         """
         count, work, given = self._paths(actuated, guess, enforce_limits)
-        return gathered(self._closed(count, out), work, Manner(threads, progress, given))
+        return gathered(self._closed(count), work, Manner(threads, progress, given), out)
 
     def grid(
         self,
@@ -241,14 +241,15 @@ class Batch:
 
         return len(values), work, (values,) if known else (start, values)
 
-    def _closed(self, count: int, out: ManyClosed | None = None) -> Wanted[ManyClosed]:
-        nq, coordinates = self._known_of_poses
-        return Wanted(ManyClosed, shapes_of_closed(count, nq), out, coordinates)
+    def _closed(self, count: int) -> Wanted[ManyClosed]:
+        nq, _, coordinates = self._known_of_poses
+        return Wanted(ManyClosed, shapes_of_closed(count, nq), coordinates)
 
     @cached_property
-    def _known_of_poses(self) -> tuple[int, dict[str, JointCoordinates]]:
-        """How many entries q has, and what closed poses know of them."""
-        return self.mechanism.nq, {"_coordinates": self.mechanism.coordinates}
+    def _known_of_poses(self) -> tuple[int, int, dict[str, JointCoordinates]]:
+        """How many entries q has and how many motors there are, and what closed poses know."""
+        mechanism = self.mechanism
+        return mechanism.nq, len(mechanism.actuated), {"_coordinates": mechanism.coordinates}
 
     def jacobian(
         self,
@@ -268,7 +269,6 @@ class Batch:
         threads, progress, out
             As for `close`.
         """
-        self.mechanism.need_tool()
         name, poses = frame_name(frame), self._poses(q)
         how = Manner(threads, progress, (poses,))
         return self._gathered(ManyJacobians, self._at_poses.jacobian(name), how, out)
@@ -298,7 +298,6 @@ class Batch:
         >>> bool(abs(found.velocity_radii[0] - of_one).max() < 1e-12)
         True
         """
-        self.mechanism.need_tool()
         how = Manner(threads, progress, (self._poses(q),))
         return self._gathered(ManyEllipsoids, self._at_poses.ellipsoids(), how, out)
 
@@ -326,7 +325,6 @@ class Batch:
         >>> bool(abs(found.smallest[0] - home.singularity().smallest) < 1e-12)
         True
         """
-        self.mechanism.need_tool()
         how = Manner(threads, progress, (self._poses(q),))
         return self._gathered(ManyMeasures, self._at_poses.measures(), how, out)
 
@@ -364,7 +362,6 @@ class Batch:
         >>> bool((found.velocity_radii == many.ellipsoids(poses.q).velocity_radii).all())
         True
         """
-        self.mechanism.need_tool()
         paths, how = self._paths(actuated, guess, enforce_limits), (threads, progress)
         return self._gathered_at(ManyEllipsoids, self._at_poses.ellipsoids(), paths, how, out)
 
@@ -400,7 +397,6 @@ class Batch:
         >>> bool((found.smallest == many.measures(poses.q).smallest).all())
         True
         """
-        self.mechanism.need_tool()
         paths, how = self._paths(actuated, guess, enforce_limits), (threads, progress)
         return self._gathered_at(ManyMeasures, self._at_poses.measures(), paths, how, out)
 
@@ -417,7 +413,7 @@ class Batch:
         def of_piece(piece: Piece, *found: Any) -> None:
             sound(piece, piece.part(poses), *found)
 
-        return gathered(self._wanted(kind, len(poses), out), of_piece, how)
+        return gathered(self._wanted(kind, len(poses)), of_piece, how, out)
 
     def _where_sound(self, work: RatesWork) -> RatesWork:
         """Return the same for rows of which some may be no q."""
@@ -442,7 +438,7 @@ class Batch:
         if not (out is None or (isinstance(out, tuple) and len(out) == 2)):
             pair = f"(ManyClosed, {kind.__name__})"
             raise ArgumentError(f"`out` is {pair} to be filled again, got {quoted(out)}")
-        (count, close, given), (poses, rates) = paths, out or (None, None)
+        count, close, given = paths
 
         def closed(piece: Piece, q: Array, share: Array, status: Statuses, *found: Any) -> None:
             rates, following = work, None
@@ -451,14 +447,12 @@ class Batch:
             some_unknown = close(piece, q, share, status, following=following)
             (self._where_sound(rates) if some_unknown else rates)(piece, q, *found)
 
-        wanted = self._closed(count, poses), self._wanted(kind, count, rates)
-        return gathered_together(wanted, closed, Manner(*how, given))
+        wanted = self._closed(count), self._wanted(kind, count)
+        return gathered_together(wanted, closed, Manner(*how, given), out)
 
-    def _wanted(
-        self, kind: type[ManyRatesKind], count: int, out: ManyRatesKind | None
-    ) -> Wanted[ManyRatesKind]:
-        shapes = shapes_of(kind, count, len(self.mechanism.actuated))  # type: ignore[arg-type]
-        return Wanted(kind, shapes, out)
+    def _wanted(self, kind: type[ManyRatesKind], count: int) -> Wanted[ManyRatesKind]:
+        _, motors, _ = self._known_of_poses
+        return Wanted(kind, shapes_of(kind, count, motors))  # type: ignore[arg-type]
 
     def _start(self, guess: Any, count: int) -> tuple[Array, bool]:
         """Return where the paths begin, and whether it is known that the loops are closed there."""

@@ -38,12 +38,15 @@ class Closing:
         What walks in its place where a kernel was built.
     idle : ManyIdlePaths or None
         What walks by them where something idles.
+    some_are_led : bool
+        Whether some motors lead the others.
     """
 
     mechanism: Mechanism
     walker: Walker | None
     lanes: PathsInLanes | None = None
     idle: ManyIdlePaths | None = None
+    some_are_led: bool = False
 
     @classmethod
     def of(cls, mechanism: Mechanism, compiled: CompiledPrograms | None = None) -> Closing:
@@ -64,7 +67,9 @@ class Closing:
             )
         idling = mechanism.recorded.idling
         idle = None if idling is None else ManyIdlePaths(*known, *idling)
-        return cls(mechanism, Walker(*known, *tapes), lanes, idle)
+        partition = mechanism.problem.partition
+        some_are_led = partition.constraint_rank > partition.passive_rank
+        return cls(mechanism, Walker(*known, *tapes), lanes, idle, some_are_led)
 
     def is_open(self, start: Array) -> Mask:
         """Tell at which of some q the loops are open."""
@@ -145,9 +150,9 @@ class Closing:
     ) -> Paths:
         """Walk all paths by the program, which says which are settled; find q and share."""
         q, share = ends
-        partition, most = self.mechanism.problem.partition, most_steps or MOST_STEPS
-        # Without a walker, or where some motors lead and others are led, single calls know the way.
-        if self.walker is None or partition.constraint_rank > partition.passive_rank:
+        most = most_steps or MOST_STEPS
+        # Where some motors lead and others are led, single calls know the way.
+        if self.walker is None or self.some_are_led:
             q[:], share[:] = start, 0.0
             return Paths(q, share, np.zeros(len(values), dtype=bool))
         if self.lanes is None or self.idle is not None:
@@ -161,6 +166,7 @@ class Closing:
         if paths.all_arrived:
             return paths
         left = np.flatnonzero(share != 1.0)  # the others were within so many steps
+        partition = self.mechanism.problem.partition
         # Where a path is too long for any number of steps, single calls say so without a step.
         lengths = self.mechanism.motors.ways(start[left], values[left]) / partition.motor_scale
         far = np.linalg.norm(lengths, axis=1)

@@ -44,6 +44,8 @@ class _OneByOne(AtPoses):
         self._mechanism = mechanism
 
     def jacobian(self, frame: FrameName) -> RatesWork:
+        self._mechanism.need_tool()
+
         def work(piece: Piece, q: Array, J_eq: Array, status: Statuses) -> None:
             for k in range(len(q)):
                 piece.go_on()
@@ -56,6 +58,7 @@ class _OneByOne(AtPoses):
 
     def measures(self) -> RatesWork:
         """Return what fills a piece of arrays that `ManyMeasures` has, or of the first of them."""
+        self._mechanism.need_tool()
         names = tuple(shapes_of(ManyMeasures, 0, 0))
 
         def work(piece: Piece, q: Array, *found: Any) -> None:

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from types import MappingProxyType
-from typing import Any, Generic, NamedTuple, TypeVar
+from typing import Any, Generic, NamedTuple, TypeAlias, TypeVar
 
-from pmjac_pin.batches.filled_again import Refillable, Shown, showing, shown_by
+from numpy.typing import NDArray
+
+from pmjac_pin.batches.filled_again import Refillable, Shown, let_know, showing, shown_by
 from pmjac_pin.batches.pieces import (
     Filling,
     PieceWork,
@@ -18,10 +20,11 @@ from pmjac_pin.batches.pieces import (
 )
 from pmjac_pin.batches.result_shapes import ResultShapes, empty_arrays
 from pmjac_pin.batches.turn import RefillTurn, Turns
-from pmjac_pin.values.arrays import Array, sealed
+from pmjac_pin.values.arrays import Array
 from pmjac_pin.values.checks import check_callable
 
 Results = TypeVar("Results", bound=Refillable)
+_NOTHING_MORE: Mapping[str, Any] = MappingProxyType({})
 
 
 class Manner(NamedTuple):
@@ -40,62 +43,31 @@ class Manner(NamedTuple):
     given: tuple[Array, ...] = ()
 
 
-class Wanted(Generic[Results]):
+class Wanted(NamedTuple, Generic[Results]):
     """Results of many poses that are wanted.
-
-    Parameters
-    ----------
-    kind : type
-        A dataclass of arrays, one of which is called `status`.
-    shapes : mapping of str to tuple of int
-        Of its arrays, by their names.
-    out : Results, optional
-        To be filled again.
-    more : mapping of str to object
-        What the results know besides their arrays.
 
     Attributes
     ----------
+    kind : type
+        A dataclass of arrays, one of which is called `status`.
     shapes : ResultShapes
-    is_seen : bool
-        Whether somebody has them already.
+        Of its arrays, by their names.
+    more : mapping of str to object
+        What the results know besides their arrays.
     """
 
-    __slots__ = ("_kind", "_more", "_out", "is_seen", "shapes")
-
-    def __init__(
-        self,
-        kind: type[Results],
-        shapes: ResultShapes,
-        out: Results | None = None,
-        more: Mapping[str, Any] = MappingProxyType({}),
-    ) -> None:
-        self._kind, self.shapes, self._out, self._more = kind, shapes, out, more
-        self.is_seen = out is not None
-
-    def taken(self, given: Sequence[Array], turn: RefillTurn) -> tuple[Results, Shown]:
-        """Return the results and what they show, which nobody else fills until a turn is over.
-
-        Raises
-        ------
-        ArgumentError
-            Results that cannot be filled again, while this is read.
-        """
-        if self._out is None:
-            arrays = empty_arrays(self.shapes)
-            known = {name: sealed(array) for name, array in arrays.items()}
-            known.update(self._more)
-            shown = Shown(arrays, self.shapes, Turns(turn))
-            return showing(self._kind, known, shown), shown
-        return self._out, shown_by(self._out, self._kind, self.shapes, given, turn)
-
-    def renew(self) -> None:
-        """Let results that are filled again know what new ones would."""
-        if self._out is not None:
-            vars(self._out).update(self._more)
+    kind: type[Results]
+    shapes: ResultShapes
+    more: Mapping[str, Any] = _NOTHING_MORE
 
 
-def gathered(wanted: Wanted[Results], work: PieceWork, how: Manner) -> Results:
+#: Results; the arrays of all of them; which of these are statuses that somebody has already.
+_Taken: TypeAlias = tuple[tuple[Any, ...], list[NDArray[Any]], Sequence[int]]
+
+
+def gathered(
+    wanted: Wanted[Results], work: PieceWork, how: Manner, out: Results | None = None
+) -> Results:
     """Return results of many poses.
 
     Parameters
@@ -105,29 +77,32 @@ def gathered(wanted: Wanted[Results], work: PieceWork, how: Manner) -> Results:
         Fills the arrays of a piece, ``work(piece, *parts)``, in their order. Where the pieces end
         depends on the number of poses alone.
     how : Manner
+    out : Results, optional
+        To be filled again, and returned.
 
     Raises
     ------
     ArgumentError, Interrupted
     """
     result: Results
-    (result,) = gathered_together((wanted,), work, how)
+    (result,) = gathered_together((wanted,), work, how, None if out is None else (out,))
     return result
 
 
 def gathered_together(
-    wanted: Sequence[Wanted[Any]], work: PieceWork, how: Manner
+    wanted: Sequence[Wanted[Any]],
+    work: PieceWork,
+    how: Manner,
+    out: tuple[Any, ...] | None = None,
 ) -> tuple[Any, ...]:
     """Return several results of the same poses, each piece of all of them at a time."""
     check_callable(how.progress, "progress")
     threads, turn = thread_count(how.threads), RefillTurn()
     try:
-        taken = [one.taken(how.given, turn) for one in wanted]
-        for one in wanted:  # none of them was refused
-            one.renew()
-        results = tuple([result for result, _ in taken])
-        arrays = [array for _, shown in taken for array in shown.arrays.values()]
-        filling = filling_of(arrays, work, _seen(wanted))
+        results, arrays, seen = (
+            _new(wanted, turn) if out is None else _again(wanted, turn, out, how.given)
+        )
+        filling = filling_of(arrays, work, seen)
         turn.helpers = filling.helpers
         _fill(filling, threads, how.progress, results)
     finally:
@@ -135,14 +110,39 @@ def gathered_together(
     return results
 
 
-def _seen(wanted: Sequence[Wanted[Any]]) -> list[int]:
-    """Return the places of statuses among all arrays, of results that are filled again."""
-    places, first = [], 0
-    for one in wanted:
-        if one.is_seen:
-            places.append(first + one.shapes.status)
-        first += len(one.shapes)
-    return places
+def _new(wanted: Sequence[Wanted[Any]], turn: RefillTurn) -> _Taken:
+    """Return results in new arrays, which nobody else fills until a turn is over."""
+    results: list[Refillable] = []
+    found: list[NDArray[Any]] = []
+    for kind, shapes, more in wanted:
+        arrays = empty_arrays(shapes)
+        found += arrays.values()
+        results.append(showing(kind, more, Shown(arrays, shapes, Turns(turn))))
+    return tuple(results), found, ()
+
+
+def _again(
+    wanted: Sequence[Wanted[Any]],
+    turn: RefillTurn,
+    out: tuple[Any, ...],
+    given: Sequence[Array],
+) -> _Taken:
+    """Return results of a call before, which know what new ones would.
+
+    Raises
+    ------
+    ArgumentError
+        Those that cannot be filled again, while what is given is read.
+    """
+    pairs = list(zip(out, wanted, strict=True))
+    found: list[NDArray[Any]] = []
+    seen: list[int] = []
+    for one, (kind, shapes, _) in pairs:
+        seen.append(len(found) + shapes.status)
+        found += shown_by(one, kind, shapes, given, turn).arrays.values()
+    for one, (_, _, more) in pairs:  # none of them was refused
+        let_know(one, more)
+    return out, found, seen
 
 
 def _fill(
