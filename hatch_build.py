@@ -12,6 +12,7 @@ import re
 import runpy
 import subprocess
 import sysconfig
+from concurrent.futures import ThreadPoolExecutor
 from itertools import product
 from pathlib import Path
 from typing import Any
@@ -75,16 +76,24 @@ def build(target: Path, source: Path, *included: Path) -> str:
     return told or f"no C compiler: none is called {', '.join(COMPILERS['NAMES'])}"
 
 
+def build_all(package: Path) -> str:
+    """Compile all kernels, as many at a time as there are cores; return as `build`."""
+
+    def one(built: str) -> str:
+        return build(package / built, *(package / source for source in KERNELS[built]))
+
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        return next(filter(None, pool.map(one, reversed(KERNELS))), "")  # the longest first
+
+
 class CustomBuildHook(BuildHookInterface):  # type: ignore[type-arg]
     """Puts the kernels beside their sources, into the wheel or the folder of an editable one."""
 
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:
         """Build them; a wheel that has them is for this platform."""
-        package = Path(self.root) / PACKAGE
-        for built, sources in KERNELS.items():
-            if failed := build(package / built, *(package / source for source in sources)):
-                self.app.display_warning(f"no kernel is built, NumPy does its work: {failed}")
-                return
+        if failed := build_all(Path(self.root) / PACKAGE):
+            self.app.display_warning(f"no kernel is built, NumPy does its work: {failed}")
+            return
         if version != "editable":
             build_data["artifacts"] += [str(PACKAGE / built) for built in KERNELS]
             platform = sysconfig.get_platform().replace("-", "_").replace(".", "_")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.util
+import signal
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +15,10 @@ from pmjac_pin.closing import blueprint
 
 # The peers' polynomials are written in SymPy, which comes with the extra `peers`.
 collect_ignore = [] if importlib.util.find_spec("sympy") else ["polynomials_by_hand.py"]
+
+# A shell that starts tests in the background has them ignore Ctrl-C, which some send.
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 @pytest.fixture

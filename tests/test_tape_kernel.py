@@ -235,6 +235,7 @@ def test_without_a_compiler_it_is_said(build, tmp_path, monkeypatch):
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.slow
 def test_kernels_compile_without_warnings(hatch_build, tmp_path, monkeypatch):
     if shutil.which("cc") is None:
         pytest.skip("no C compiler")
