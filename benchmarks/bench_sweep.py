@@ -59,12 +59,6 @@ def swept(count: int, out: Path) -> float:
     )
 
 
-def looked_at(results: tuple[pj.ManyClosed, pj.ManyEllipsoids]) -> list[object]:
-    """Look at what was asked for: arrays of results are shown when somebody does."""
-    poses, found = results
-    return [poses.status, found.J_eq, found.velocity_radii, found.angular_radii]
-
-
 class Trial:
     """So many poses at once: seconds a pose with results in new arrays, and in those before."""
 
@@ -74,8 +68,8 @@ class Trial:
         known = many.ellipsoids_at(values, threads=1)
         self.count = count
         self.ways = [
-            lambda: looked_at(many.ellipsoids_at(values, threads=1)),
-            lambda: looked_at(many.ellipsoids_at(values, threads=1, out=known)),
+            lambda: many.ellipsoids_at(values, threads=1),
+            lambda: many.ellipsoids_at(values, threads=1, out=known),
         ]
         for way in self.ways:
             way()
@@ -96,11 +90,13 @@ def side_by_side(one: Trial, beside: Trial, way: int) -> tuple[float, float]:
     poses = max(one.count, beside.count)
     pairs = []
     for number in range(max(FEWEST_PAIRS, POSES // poses)):
-        both = [one, beside]
-        costs = {it.count: it.cost(way, poses) for it in (both if number % 2 else both[::-1])}
-        pairs.append((costs[one.count], costs[one.count] / costs[beside.count]))
-    cost, ratio = (statistics.median(column) for column in zip(*pairs, strict=True))
-    return cost, ratio
+        if number % 2:
+            cost, other = one.cost(way, poses), beside.cost(way, poses)
+        else:
+            other, cost = beside.cost(way, poses), one.cost(way, poses)
+        pairs.append((cost, cost / other))
+    costs, ratios = zip(*pairs, strict=True)
+    return statistics.median(costs), statistics.median(ratios)
 
 
 def flatness(many: pj.Batch, name: str, most: int) -> None:

@@ -11,6 +11,7 @@ from humanoid import humanoid
 from mechanisms import SAMPLE, loaded, mostly_slow, rssr
 from random_machines import random_machine
 from recording import unrecorded
+from transformed import resolved
 
 import pmjac_pin as pj
 from pmjac_pin.batches.pieces import PIECE, pieces_of
@@ -435,3 +436,29 @@ def test_a_gear_between_endless_joints_counts_their_turns(ratio, rng):
         pose = mechanism.close(value, enforce_limits=False)
         np.testing.assert_allclose(q, pose.q, atol=1e-10)
         np.testing.assert_allclose(J_eq, pose.jacobian().J_eq, atol=1e-10)
+
+
+@pytest.mark.parametrize("led", ["elbow1", "sway1a"])
+def test_where_some_motors_lead_the_others_single_calls_know_the_way(led, rng):
+    """A Delta with a further motor, which loops lead: half of the targets agree with each other."""
+    given = loaded("delta")
+    mechanism = pj.Mechanism.from_pinocchio(
+        given.model,
+        resolved(given),
+        [*given.actuated, led],
+        given.spec.tool.frame,
+        home=given.home.q,
+    )
+    partition, home = mechanism.problem.partition, given.home.actuated
+    assert partition.constraint_rank > partition.passive_rank
+    ways = rng.uniform(-0.2, 0.2, (12, home.size))
+    values = np.array([mechanism.configuration(given.close(home + way).q).actuated for way in ways])
+    values[::2] += rng.uniform(-0.1, 0.1, values[::2].shape)
+    found = pj.batch(mechanism).close(values)
+    assert set(found.status) == {pj.Status.CLOSED, pj.Status.STOPPED}
+    for k, target in enumerate(values):
+        if found.status[k] == pj.Status.CLOSED:
+            np.testing.assert_allclose(mechanism.close(target).q, found.q[k], atol=1e-10)
+        else:
+            with pytest.raises(pj.ClosureError):
+                mechanism.close(target)

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import copy
 import pickle
-from concurrent.futures import ThreadPoolExecutor
-from dataclasses import fields, replace
+from dataclasses import fields
 
 import numpy as np
 import pytest
@@ -122,46 +121,3 @@ def test_what_is_being_filled_is_no_other_calls(rng):
     equal(many.close(first, out=poses, threads=1, progress=meanwhile), expected)
     assert refused
     equal(many.close(then, out=poses), many.close(then))
-
-
-LOOKS = {
-    "an array": lambda poses: {one.name: getattr(poses, one.name) for one in fields(poses)},
-    "vars": vars,
-    "a copy": lambda poses: vars(copy.copy(poses)),
-    "unpickled": lambda poses: vars(pickle.loads(pickle.dumps(poses))),
-    "replaced": lambda poses: vars(replace(poses, coordinates=None)),
-    "a part": lambda poses: vars(poses.part(np.arange(20))),
-}
-
-
-@pytest.mark.parametrize("look", LOOKS)
-def test_arrays_are_there_however_somebody_looks(look, rng):
-    """They are made when somebody does."""
-    many = pj.batch(loaded("five_bar"))
-    values = targets(many.mechanism, 20, rng)
-    expected = many.close(values)
-    seen = LOOKS[look](many.close(values))
-    for one in fields(expected):
-        np.testing.assert_array_equal(seen[one.name], getattr(expected, one.name))
-        assert not seen[one.name].flags.writeable
-        with pytest.raises(ValueError, match="WRITEABLE"):
-            seen[one.name].setflags(write=True)
-
-
-def test_arrays_are_the_same_whoever_looks(rng):
-    many = pj.batch(loaded("five_bar"))
-    for _ in range(50):
-        poses = many.close(targets(many.mechanism, 3, rng))
-        with ThreadPoolExecutor(4) as pool:
-            seen = list(pool.map(lambda _: poses.q, range(4)))  # noqa: B023
-        assert all(one is poses.q for one in seen)
-
-
-def test_what_is_no_array_is_told(rng):
-    poses = pj.batch(loaded("five_bar")).close(targets(loaded("five_bar"), 3, rng))
-    assert {"q", "share", "status", "joint", "beyond_limits"} <= set(dir(poses))
-    by_hand = pj.ManyClosed(poses.q, poses.share, poses.status)
-    for one in (poses, by_hand, copy.copy(poses)):
-        assert not hasattr(one, "J_eq")
-        with pytest.raises(AttributeError, match="'ManyClosed' object has no attribute 'statuses'"):
-            one.statuses  # noqa: B018

@@ -133,7 +133,7 @@ def test_whoever_interrupts_leaves_what_is_to_be_filled(rng, monkeypatch):
     def interrupt(*given):
         raise KeyboardInterrupt
 
-    for place, name in ((filled_again, "_check_to_be_filled"), (gathering, "let_know")):
+    for place, name in ((filled_again, "_check_to_be_filled"), (gathering, "filling_of")):
         with monkeypatch.context() as context:
             context.setattr(place, name, interrupt)
             with pytest.raises(KeyboardInterrupt):

@@ -11,6 +11,8 @@ from mechanisms import CATALOGUE, loaded, mostly_slow
 from transformed import resolved
 
 import pmjac_pin as pj
+from pmjac_pin.batches.batch import Batch
+from pmjac_pin.batches.few_poses import FewPoses
 
 FOUR_BAR = """
 <robot name="bar">
@@ -231,6 +233,23 @@ def test_a_mechanism_without_a_tool_is_the_same_machine(name, rng):
         with pytest.raises(pj.NoToolError, match="has no tool"):
             ask()
     assert {f.code for f in pj.check(alone).findings} >= {"no-tool"}
+
+
+@pytest.mark.parametrize("count", [0, 1])
+@pytest.mark.parametrize("kind", [Batch, FewPoses])
+@pytest.mark.parametrize("call", ["jacobian", "ellipsoids", "measures"])
+def test_many_poses_need_a_tool_where_one_does(kind, call, count):
+    whole = loaded("five_bar")
+    alone = pj.Mechanism.from_pinocchio(
+        whole.model, resolved(whole), whole.actuated, home=whole.home.q
+    )
+    many, q, values = kind(alone), alone.home.q, alone.home.actuated
+    of_rows = {call: np.tile(q, (count, 1))}
+    if call != "jacobian":
+        of_rows[f"{call}_at"] = np.tile(values, (count, 1))
+    for name, rows in of_rows.items():
+        with pytest.raises(pj.NoToolError, match="has no tool"):
+            getattr(many, name)(rows)
 
 
 @pytest.mark.parametrize("name", ["four_bar", "five_bar"])

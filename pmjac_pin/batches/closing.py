@@ -39,7 +39,7 @@ class Closing:
     idle : ManyIdlePaths or None
         What walks by them where something idles.
     some_are_led : bool
-        Whether some motors lead the others.
+        Whether some motors lead the others, on ways that programs do not know.
     """
 
     mechanism: Mechanism

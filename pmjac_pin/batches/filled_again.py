@@ -7,12 +7,11 @@ two calls at once would mix their numbers.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from contextlib import suppress
-from dataclasses import dataclass, fields
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from functools import partial
 from operator import is_
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,7 +19,7 @@ from numpy.typing import NDArray
 from pmjac_pin.batches.result_shapes import ResultShapes
 from pmjac_pin.batches.turn import RefillTurn, Turns
 from pmjac_pin.errors import ArgumentError, quoted
-from pmjac_pin.values.arrays import Array, ReadOnlyArrays, sealed
+from pmjac_pin.values.arrays import Array, ReadOnlyArrays
 
 
 class Shown(NamedTuple):
@@ -37,62 +36,19 @@ class Refillable(ReadOnlyArrays):
 
     __slots__ = ("_shown",)
 
-    if not TYPE_CHECKING:  # to whom it is an attribute
-
-        @property
-        def __dict__(self) -> dict[str, Any]:
-            """All that it knows: for `vars`, copies and pickles it shows all arrays."""
-            with suppress(AttributeError):  # of what was made by hand or unpickled
-                for name in _shown(self).arrays:
-                    getattr(self, name)
-            return _known(self)
-
     def __getstate__(self) -> dict[str, Any]:
         """Return what copies and pickles know: not the memory behind the arrays."""
         return self.__dict__
 
 
-# What a result has, without the `__dict__` that shows all arrays.
-_known: Callable[[object], dict[str, Any]] = vars(ReadOnlyArrays)["__dict__"].__get__
-_shown: Callable[[object], Shown] = vars(Refillable)["_shown"].__get__
 Result = TypeVar("Result", bound=Refillable)
 
 
-class _ShownArray:
-    """An array of a result, which nobody can write to: made when somebody looks at it.
-
-    To make all of them would be an eighth of what Python takes for few poses.
-    """
-
-    def __init__(self, name: str) -> None:
-        self._name = name
-
-    def __get__(self, result: Refillable | None, kind: type[Refillable]) -> Any:
-        if result is None:
-            return self
-        array = sealed(_shown(result).arrays[self._name])
-        return _known(result).setdefault(self._name, array)  # the same for all threads
-
-
-def shows_arrays(kind: type[Result]) -> type[Result]:
-    """Let each field of a dataclass be an array that is shown when somebody looks at it."""
-    for one in fields(kind):
-        setattr(kind, one.name, _ShownArray(one.name))
-    return kind
-
-
-def showing(kind: type[Result], more: Mapping[str, Any], shown: Shown) -> Result:
-    """Return what shows arrays, knows more besides, and can be filled again."""
-    result = object.__new__(kind)
+def showing(kind: type[Result], known: dict[str, Any], shown: Shown) -> Result:
+    """Return what shows arrays, by others that nobody can write to, and can be filled again."""
+    result = kind.of_sealed(known)
     object.__setattr__(result, "_shown", shown)
-    let_know(result, more)
     return result
-
-
-def let_know(result: Refillable, more: Mapping[str, Any]) -> None:
-    """Put what a result knows besides its arrays in place of what it knew."""
-    for name, value in more.items():
-        object.__setattr__(result, name, value)
 
 
 def shown_by(

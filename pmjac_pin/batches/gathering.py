@@ -8,7 +8,7 @@ from typing import Any, Generic, NamedTuple, TypeAlias, TypeVar
 
 from numpy.typing import NDArray
 
-from pmjac_pin.batches.filled_again import Refillable, Shown, let_know, showing, shown_by
+from pmjac_pin.batches.filled_again import Refillable, Shown, showing, shown_by
 from pmjac_pin.batches.pieces import (
     Filling,
     PieceWork,
@@ -20,7 +20,7 @@ from pmjac_pin.batches.pieces import (
 )
 from pmjac_pin.batches.result_shapes import ResultShapes, empty_arrays
 from pmjac_pin.batches.turn import RefillTurn, Turns
-from pmjac_pin.values.arrays import Array
+from pmjac_pin.values.arrays import Array, sealed
 from pmjac_pin.values.checks import check_callable
 
 Results = TypeVar("Results", bound=Refillable)
@@ -117,7 +117,9 @@ def _new(wanted: Sequence[Wanted[Any]], turn: RefillTurn) -> _Taken:
     for kind, shapes, more in wanted:
         arrays = empty_arrays(shapes)
         found += arrays.values()
-        results.append(showing(kind, more, Shown(arrays, shapes, Turns(turn))))
+        known = {name: sealed(array) for name, array in arrays.items()}
+        known.update(more)
+        results.append(showing(kind, known, Shown(arrays, shapes, Turns(turn))))
     return tuple(results), found, ()
 
 
@@ -134,14 +136,13 @@ def _again(
     ArgumentError
         Those that cannot be filled again, while what is given is read.
     """
-    pairs = list(zip(out, wanted, strict=True))
     found: list[NDArray[Any]] = []
     seen: list[int] = []
-    for one, (kind, shapes, _) in pairs:
+    for one, (kind, shapes, _) in zip(out, wanted, strict=True):
         seen.append(len(found) + shapes.status)
         found += shown_by(one, kind, shapes, given, turn).arrays.values()
-    for one, (_, _, more) in pairs:  # none of them was refused
-        let_know(one, more)
+    for one, (_, _, more) in zip(out, wanted, strict=True):  # none of them was refused
+        vars(one).update(more)
     return out, found, seen
 
 

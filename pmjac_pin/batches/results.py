@@ -6,12 +6,12 @@ import math
 from collections.abc import Sequence
 from dataclasses import InitVar, dataclass, field, fields
 from enum import IntEnum
-from typing import Any, ClassVar, Self, TypeAlias
+from typing import Any, Self, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pmjac_pin.batches.filled_again import Refillable, shows_arrays
+from pmjac_pin.batches.filled_again import Refillable
 from pmjac_pin.errors import ArgumentError
 from pmjac_pin.model.coordinates import JointCoordinates
 from pmjac_pin.model.limits import beyond_limits
@@ -37,7 +37,6 @@ class Status(IntEnum):
 CLOSED = int(Status.CLOSED)  #: NumPy asks a Status itself for its number, each time
 
 
-@shows_arrays
 @dataclass(frozen=True, eq=False)
 class ManyClosed(Refillable):
     """Closed poses, or where their paths ended.
@@ -59,7 +58,6 @@ class ManyClosed(Refillable):
     share: Array
     status: Statuses
     coordinates: InitVar[JointCoordinates | None] = field(default=None, kw_only=True)
-    _coordinates: ClassVar[JointCoordinates | None] = None
 
     def __post_init__(self, coordinates: JointCoordinates | None = None) -> None:  # noqa: RUF033
         super().__post_init__()
@@ -96,15 +94,16 @@ class ManyClosed(Refillable):
     def part(self, which: Index) -> Self:
         """Return some of the poses, by their numbers."""
         arrays = {one.name: getattr(self, one.name)[which] for one in fields(self)}
-        return type(self)(**arrays, coordinates=self._coordinates)
+        return type(self)(**arrays, coordinates=self.__dict__["_coordinates"])
 
     @property
     def _known_coordinates(self) -> JointCoordinates:
-        if self._coordinates is None:
+        coordinates: JointCoordinates | None = self.__dict__["_coordinates"]
+        if coordinates is None:
             raise ArgumentError(
                 "joints and their limits are known to the poses that `pmjac_pin.batch` closes"
             )
-        return self._coordinates
+        return coordinates
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,7 +125,6 @@ class ManyInGrid(ManyClosed):
     source: Index
 
 
-@shows_arrays
 @dataclass(frozen=True, eq=False)
 class ManyJacobians(Refillable):
     """J_eq of many poses.
@@ -159,7 +157,6 @@ class ManyJacobians(Refillable):
         return self.J_eq[:, 3:]
 
 
-@shows_arrays
 @dataclass(frozen=True, eq=False)
 class ManyEllipsoids(ManyJacobians):
     """J_eq of many poses, in LOCAL_WORLD_ALIGNED, and the radii of its ellipsoids.
@@ -198,7 +195,6 @@ class ManyEllipsoids(ManyJacobians):
         return _volumes_of_radii(self.angular_radii)
 
 
-@shows_arrays
 @dataclass(frozen=True, eq=False)
 class ManyMeasures(ManyEllipsoids):
     """What is asked of a map: J_eq, its singular values, how near K* is to singular, the tool.
