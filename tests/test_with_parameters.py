@@ -84,7 +84,7 @@ def test_a_sibling_is_what_the_file_gives(name, rng):
 @pytest.mark.parametrize("share", [0.01, 0.1, 0.5, 2.0])
 def test_many_siblings_are_what_the_file_gives(name, share, rng):
     mechanism = pj.load(name)
-    for _ in range(4):
+    for _ in range(8):
         values = drawn(mechanism, rng, share)
         fresh = told(lambda: pj.load(name, values))  # noqa: B023
         assert_same(told(lambda: mechanism.with_parameters(values)), fresh)  # noqa: B023
