@@ -289,7 +289,7 @@ def test_turns_that_are_past_are_forgotten(many):
     poses, found = many.ellipsoids_at(np.tile(many.mechanism.home.actuated, (5, 1)))
     for _ in range(20):
         many.ellipsoids(poses.q, out=found)
-    assert len(reached_from(poses._shown.turns._last)) == 1
+    assert len(reached_from(poses._shown._last)) == 1
 
 
 def reached_from(turn):

@@ -5,8 +5,8 @@ What a program certifies is what the single call says; where it cannot, the sing
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from functools import cached_property, partial
+from collections.abc import Callable, Mapping
+from functools import cached_property, lru_cache, partial
 from typing import Any, TypeVar
 
 import numpy as np
@@ -19,6 +19,7 @@ from pmjac_pin.batches.closing import Closing
 from pmjac_pin.batches.ellipsoids_work import EllipsoidsWork
 from pmjac_pin.batches.gathering import Manner, Wanted, gathered, gathered_together
 from pmjac_pin.batches.grid import Grid
+from pmjac_pin.batches.path_starts import PathStarts
 from pmjac_pin.batches.pieces import Piece, PieceWork, Progress
 from pmjac_pin.batches.result_shapes import shapes_of, shapes_of_closed
 from pmjac_pin.batches.results import (
@@ -36,11 +37,10 @@ from pmjac_pin.closing.kernel_walk import Following
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import ArgumentError, quoted
 from pmjac_pin.mechanism import Mechanism
-from pmjac_pin.model.coordinates import JointCoordinates
 from pmjac_pin.model.limits import enforced
 from pmjac_pin.model.reference_frame import frame_name
 from pmjac_pin.values.arrays import Array, Index
-from pmjac_pin.values.checks import check_callable, check_kind, seen_rows
+from pmjac_pin.values.checks import check_callable, check_kind
 
 ManyRatesKind = TypeVar("ManyRatesKind", bound=ManyJacobians)
 
@@ -86,14 +86,12 @@ class Batch:
         installed.
     """
 
-    _last_guess: tuple[Configuration | None, Array, Array] = (None, np.empty(0), np.empty((0, 0)))
-
     def __init__(self, mechanism: Mechanism, *, compiled: bool = False) -> None:
         self.mechanism = mechanism
         # Home is there before programs of many poses are: the next single pose after these has its
         # own recorded.
-        home = mechanism.home
-        self._last_guess = home, home.q, np.broadcast_to(home.q, (1, home.q.size))
+        self._starts = PathStarts(mechanism)
+        self._starts.of(mechanism.home, 1)
         programs = None
         if compiled:
             # Who asks for no compiler waits for none of what calls it.
@@ -145,7 +143,8 @@ class Batch:
             and guesses the status tells.
         """
         count, work, given = self._paths(actuated, guess, enforce_limits)
-        return gathered(self._closed(count), work, Manner(threads, progress, given), out)
+        wanted: Wanted[ManyClosed] = self._wanted(ManyClosed, count)
+        return gathered(wanted, work, Manner(threads, progress, given), out)
 
     def grid(
         self,
@@ -189,7 +188,7 @@ class Batch:
             over, self.mechanism.problem.partition, self.mechanism.coordinates, begin.actuated
         )
         check_callable(progress, "progress")
-        whose, home = enforced(enforce_limits), self._closed_q(begin)
+        whose, home = enforced(enforce_limits), self._starts.closed_q(begin)
 
         def close(which: Index, start: Array | None, most_steps: int | None) -> ManyClosed:
             targets = grid.cells[which]
@@ -212,44 +211,35 @@ class Batch:
             paths = piece.part(start), piece.part(targets)
             self._closing.close(piece, paths, whose, found, most_steps=most_steps)
 
-        return gathered(self._closed(len(start)), work, Manner(threads))
+        wanted: Wanted[ManyClosed] = self._wanted(ManyClosed, len(start))
+        return gathered(wanted, work, Manner(threads))
 
     def _paths(
         self, actuated: ArrayLike, guess: Any, enforce_limits: bool | str
     ) -> tuple[int, PieceWork, tuple[Array, ...]]:
         """Return how many paths there are, what closes a piece of them, and what that reads."""
         values = self.mechanism.motors.table(actuated)
-        whose, (start, known) = enforced(enforce_limits), self._start(guess, len(values))
-
-        is_open = None if known else self._closing.is_open
+        whose, (start, known) = enforced(enforce_limits), self._starts.of(guess, len(values))
+        closing, inside = self._closing, "none" if whose == "motors" else whose
+        is_open = None if known else closing.is_open
 
         def work(piece: Piece, *found: Any, following: Following | None = None) -> bool:
             """Tell whether of some paths nothing is known; where that is so, nothing follows."""
-            begin, targets, why, beyond = piece.part(start), piece.part(values), None, whose
-            if known and self.mechanism.motors.are_inside(targets):
-                beyond = "none" if whose == "motors" else whose
-            else:
-                begin, targets, why = self._sound.of_paths(begin, targets, is_open)
-            if why is None:
-                paths = begin, targets
-                self._closing.close(piece, paths, beyond, found, following=following)
+            begin, targets = piece.part(start), piece.part(values)
+            if known and closing.close(
+                piece, (begin, targets), inside, found, following=following, bounded=True
+            ):
                 return False
-            self._closing.close(piece, (begin, targets), beyond, found)
+            begin, targets, why = self._sound.of_paths(begin, targets, is_open)
+            if why is None:
+                closing.close(piece, (begin, targets), whose, found, following=following)
+                return False
+            closing.close(piece, (begin, targets), whose, found)
             none = why != Status.CLOSED
             say_nothing(found, none, why[none])
             return True
 
         return len(values), work, (values,) if known else (start, values)
-
-    def _closed(self, count: int) -> Wanted[ManyClosed]:
-        nq, _, coordinates = self._known_of_poses
-        return Wanted(ManyClosed, shapes_of_closed(count, nq), coordinates)
-
-    @cached_property
-    def _known_of_poses(self) -> tuple[int, int, dict[str, JointCoordinates]]:
-        """How many entries q has and how many motors there are, and what closed poses know."""
-        mechanism = self.mechanism
-        return mechanism.nq, len(mechanism.actuated), {"_coordinates": mechanism.coordinates}
 
     def jacobian(
         self,
@@ -269,7 +259,7 @@ class Batch:
         threads, progress, out
             As for `close`.
         """
-        name, poses = frame_name(frame), self._poses(q)
+        name, poses = frame_name(frame), self._starts.rows(q)
         how = Manner(threads, progress, (poses,))
         return self._gathered(ManyJacobians, self._at_poses.jacobian(name), how, out)
 
@@ -298,7 +288,7 @@ class Batch:
         >>> bool(abs(found.velocity_radii[0] - of_one).max() < 1e-12)
         True
         """
-        how = Manner(threads, progress, (self._poses(q),))
+        how = Manner(threads, progress, (self._starts.rows(q),))
         return self._gathered(ManyEllipsoids, self._at_poses.ellipsoids(), how, out)
 
     def measures(
@@ -325,7 +315,7 @@ class Batch:
         >>> bool(abs(found.smallest[0] - home.singularity().smallest) < 1e-12)
         True
         """
-        how = Manner(threads, progress, (self._poses(q),))
+        how = Manner(threads, progress, (self._starts.rows(q),))
         return self._gathered(ManyMeasures, self._at_poses.measures(), how, out)
 
     def ellipsoids_at(
@@ -413,7 +403,8 @@ class Batch:
         def of_piece(piece: Piece, *found: Any) -> None:
             sound(piece, piece.part(poses), *found)
 
-        return gathered(self._wanted(kind, len(poses)), of_piece, how, out)
+        wanted: Wanted[ManyRatesKind] = self._wanted(kind, len(poses))
+        return gathered(wanted, of_piece, how, out)
 
     def _where_sound(self, work: RatesWork) -> RatesWork:
         """Return the same for rows of which some may be no q."""
@@ -441,49 +432,28 @@ class Batch:
         count, close, given = paths
 
         def closed(piece: Piece, q: Array, share: Array, status: Statuses, *found: Any) -> None:
-            rates, following = work, None
             if isinstance(work, EllipsoidsWork) and (begun := work.begun(*found)) is not None:
-                rates, following = partial(work.end, begun), begun.following
-            some_unknown = close(piece, q, share, status, following=following)
-            (self._where_sound(rates) if some_unknown else rates)(piece, q, *found)
+                if close(piece, q, share, status, following=begun.following):
+                    self._where_sound(partial(work.end, begun))(piece, q, *found)
+                else:
+                    work.end(begun, piece, q, *found)
+            elif close(piece, q, share, status):
+                self._where_sound(work)(piece, q, *found)
+            else:
+                work(piece, q, *found)
 
-        wanted = self._closed(count), self._wanted(kind, count)
+        wanted = self._wanted(ManyClosed, count), self._wanted(kind, count)
         return gathered_together(wanted, closed, Manner(*how, given), out)
 
-    def _wanted(self, kind: type[ManyRatesKind], count: int) -> Wanted[ManyRatesKind]:
-        _, motors, _ = self._known_of_poses
-        return Wanted(kind, shapes_of(kind, count, motors))  # type: ignore[arg-type]
+    @cached_property
+    def _wanted(self) -> Callable[..., Wanted[Any]]:
+        """What says which results of a kind are wanted of so many poses: the last are kept."""
+        nq, motors = self.mechanism.nq, len(self.mechanism.actuated)
+        known = {"_coordinates": self.mechanism.coordinates}
 
-    def _start(self, guess: Any, count: int) -> tuple[Array, bool]:
-        """Return where the paths begin, and whether it is known that the loops are closed there."""
-        if isinstance(guess, str):
-            guess = self.mechanism.pose(guess)
-        if isinstance(guess, Configuration):
-            return self._of_guess(guess, count), True
-        start = self._poses(guess)
-        if len(start) != count:
-            raise ArgumentError(f"{count} guesses expected, one for each target; got {len(start)}")
-        return start, False
+        def wanted(kind: type, count: int) -> Wanted[Any]:
+            if kind is ManyClosed:
+                return Wanted(kind, shapes_of_closed(count, nq), known)
+            return Wanted(kind, shapes_of(kind, count, motors))
 
-    def _of_guess(self, guess: Configuration, count: int) -> Array:
-        """Return its q, closed in this mechanism, too, as rows; the last ones are known."""
-        known, q, rows = self._last_guess
-        if known is not guess:
-            q = self._closed_q(guess)
-        if known is not guess or len(rows) != count:
-            rows = np.broadcast_to(q, (count, q.size))
-            self._last_guess = guess, q, rows
-        return rows
-
-    def _closed_q(self, guess: Configuration) -> Array:
-        """Return its q; of another mechanism, seen to be closed in this one."""
-        own = guess.mechanism is self.mechanism
-        return guess.q if own else self.mechanism.configuration(guess.q).q
-
-    def _poses(self, q: Any) -> Array:
-        """Return q as rows, whose numbers are looked at piece by piece."""
-        given = seen_rows(q, "q")
-        if given.ndim != 2 or given.shape[1] != self.mechanism.nq:
-            wanted = f"(N, {self.mechanism.nq})"
-            raise ArgumentError(f"q of shape {wanted} expected, got {given.shape}")
-        return given
+        return lru_cache(maxsize=16)(wanted)

@@ -35,7 +35,7 @@ class Closing:
     walker : Walker or None
         None where nothing is recorded: by single calls.
     lanes : PathsInLanes or None
-        What walks in its place where a kernel was built.
+        What walks in its place where a kernel was built, and no motors are led.
     idle : ManyIdlePaths or None
         What walks by them where something idles.
     some_are_led : bool
@@ -55,11 +55,14 @@ class Closing:
             return cls(mechanism, None)
         tapes, library = mechanism.recorded.walking, many_paths_kernel()
         known = mechanism.problem, mechanism.coordinates
-        lanes = None
-        if library is not None:
+        partition, lanes = mechanism.problem.partition, None
+        some_are_led = partition.constraint_rank > partition.passive_rank
+        if library is not None and not some_are_led:
             programs = [None if compiled is None else compiled.of(tape) for tape in tapes]
-            lanes = PathsInLanes(library, tapes, *known, programs)
-        elif compiled is not None:
+            lanes = PathsInLanes(
+                library, tapes, *known, programs, limits=mechanism.motors.narrowest
+            )
+        elif library is None and compiled is not None:
             raise MissingDependencyError(
                 "compiled programs are run by a kernel that is built when pmjac_pin is installed, "
                 "and none was: install a C compiler, then pmjac_pin anew (pip install "
@@ -67,8 +70,6 @@ class Closing:
             )
         idling = mechanism.recorded.idling
         idle = None if idling is None else ManyIdlePaths(*known, *idling)
-        partition = mechanism.problem.partition
-        some_are_led = partition.constraint_rank > partition.passive_rank
         return cls(mechanism, Walker(*known, *tapes), lanes, idle, some_are_led)
 
     def is_open(self, start: Array) -> Mask:
@@ -95,21 +96,31 @@ class Closing:
         *,
         most_steps: int | None = None,
         following: Following | None = None,
-    ) -> None:
+        bounded: bool = False,
+    ) -> bool:
         """Find q, share and status of one piece, of paths from closed q to motor values.
 
         With so few steps, what is not certain by them has the status NOT_DONE. What follows is done
-        only where a kernel has walked, and all have arrived.
+        only where a kernel has walked, and all have arrived. Tell whether anything is done:
+        bounded, nothing is where `Motors.are_inside` says no.
         """
         (start, values), (q, share, status) = paths, found
-        ends, on = (q, share), piece.go_on
         walked = self.together(
-            start, values, ends, go_on=on, most_steps=most_steps, following=following
+            start,
+            values,
+            (q, share),
+            go_on=piece.go_on,
+            most_steps=most_steps,
+            following=following,
+            bounded=bounded,
         )
+        if walked.are_refused:
+            return False
         status.fill(CLOSED)
         if not (walked.all_arrived or (share == 1.0).all()):
             self._settle(piece, paths, walked.settled, found, most_steps)
         self._keep_to_limits(whose, values, q, status)
+        return True
 
     def _settle(
         self,
@@ -147,28 +158,38 @@ class Closing:
         go_on: GoOn = lambda: None,
         most_steps: int | None = None,
         following: Following | None = None,
+        bounded: bool = False,
     ) -> Paths:
         """Walk all paths by the program, which says which are settled; find q and share."""
-        q, share = ends
-        most = most_steps or MOST_STEPS
+        (q, share), motors = ends, self.mechanism.motors
+        most, lanes = most_steps or MOST_STEPS, self.lanes if self.idle is None else None
+        if lanes is None and bounded and not motors.are_inside(values):
+            return Paths(q, share, np.zeros(len(values), dtype=bool), are_refused=True)
         # Where some motors lead and others are led, single calls know the way.
         if self.walker is None or self.some_are_led:
             q[:], share[:] = start, 0.0
             return Paths(q, share, np.zeros(len(values), dtype=bool))
-        if self.lanes is None or self.idle is not None:
+        if lanes is None:
             paths = self._walked(self.lanes or self.walker, (start, values), ends, go_on, most)
         else:
             # It finds by itself how far motors go that are entries of q.
-            ways = None if self.mechanism.motors.are_entries else self._ways(start, values)
-            paths = self.lanes.walk(
-                start, ways, values, go_on, most, ends=ends, following=following
+            ways = None if motors.are_entries else self._ways(start, values)
+            paths = lanes.walk(
+                start,
+                ways,
+                values,
+                go_on,
+                most,
+                ends=ends,
+                following=following,
+                bounded=bounded,
             )
-        if paths.all_arrived:
+        if paths.all_arrived or paths.are_refused:
             return paths
         left = np.flatnonzero(share != 1.0)  # the others were within so many steps
         partition = self.mechanism.problem.partition
         # Where a path is too long for any number of steps, single calls say so without a step.
-        lengths = self.mechanism.motors.ways(start[left], values[left]) / partition.motor_scale
+        lengths = motors.ways(start[left], values[left]) / partition.motor_scale
         far = np.linalg.norm(lengths, axis=1)
         paths.settled[left] &= far <= MOST_STEPS * LARGEST_STEP * partition.length
         return paths

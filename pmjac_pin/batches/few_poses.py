@@ -15,6 +15,7 @@ from pmjac_pin.batches.at_poses import AtPoses, RatesWork
 from pmjac_pin.batches.batch import Batch
 from pmjac_pin.batches.closing import Closing
 from pmjac_pin.batches.one_by_one import jacobian_of_one, measures_of_one
+from pmjac_pin.batches.path_starts import PathStarts
 from pmjac_pin.batches.pieces import Piece
 from pmjac_pin.batches.result_shapes import shapes_of
 from pmjac_pin.batches.results import ManyMeasures, Status, Statuses
@@ -33,7 +34,7 @@ class FewPoses(Batch):
     def __init__(self, mechanism: Mechanism) -> None:  # nothing is recorded
         # Bits must not depend on calls before: of one's own, its single calls are the first.
         self.mechanism, self.runs_on = replace(mechanism, _poses={}), "single calls"
-        self._closing = Closing(self.mechanism, None)
+        self._starts, self._closing = PathStarts(self.mechanism), Closing(self.mechanism, None)
         self._at_poses, self._sound = _OneByOne(self.mechanism), SoundRows(self.mechanism)
 
 

@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from operator import is_
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,12 +22,23 @@ from pmjac_pin.errors import ArgumentError, quoted
 from pmjac_pin.values.arrays import Array, ReadOnlyArrays
 
 
-class Shown(NamedTuple):
-    """The arrays that a result shows, and their shapes, by their names; and whose turn it is."""
+class Shown(Turns):
+    """Turns to fill the arrays that a result shows.
 
-    arrays: Mapping[str, NDArray[Any]]
-    shapes: ResultShapes
-    turns: Turns
+    Attributes
+    ----------
+    arrays : mapping of str to ndarray
+        By their names.
+    shapes : ResultShapes
+        Of them.
+    """
+
+    __slots__ = ("arrays", "shapes")
+
+    def __init__(
+        self, arrays: Mapping[str, NDArray[Any]], shapes: ResultShapes, first: RefillTurn
+    ) -> None:
+        self.arrays, self.shapes, self._last = arrays, shapes, first
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,7 +94,7 @@ def shown_by(
     shown: Shown | None = getattr(out, "_shown", None)
     if shown is not None:
         _check_to_be_filled(shown, shapes, given)
-    if shown is None or not shown.turns.go_on_with(turn, kind):
+    if shown is None or not shown.go_on_with(turn, kind):
         raise ArgumentError(
             f"`out` is a {kind.__name__} as a call has returned it; the arrays of this one, which "
             "was made by hand, copied or unpickled, or is being filled by another call, stay as "

@@ -18,8 +18,8 @@ from pmjac_pin.batches.pieces import (
     interrupted,
     thread_count,
 )
-from pmjac_pin.batches.result_shapes import ResultShapes, empty_arrays
-from pmjac_pin.batches.turn import RefillTurn, Turns
+from pmjac_pin.batches.result_shapes import ResultShapes, maker_of
+from pmjac_pin.batches.turn import RefillTurn
 from pmjac_pin.values.arrays import Array, sealed
 from pmjac_pin.values.checks import check_callable
 
@@ -96,15 +96,20 @@ def gathered_together(
     out: tuple[Any, ...] | None = None,
 ) -> tuple[Any, ...]:
     """Return several results of the same poses, each piece of all of them at a time."""
-    check_callable(how.progress, "progress")
-    threads, turn = thread_count(how.threads), RefillTurn()
+    asked, progress, given = how
+    check_callable(progress, "progress")
+    threads, turn, filling = thread_count(asked), RefillTurn(), None
     try:
         results, arrays, seen = (
-            _new(wanted, turn) if out is None else _again(wanted, turn, out, how.given)
+            _new(wanted, turn) if out is None else _again(wanted, turn, out, given)
         )
         filling = filling_of(arrays, work, seen)
         turn.helpers = filling.helpers
-        _fill(filling, threads, how.progress, results)
+        filling.fill(threads, progress)
+    except BaseException as stopped:
+        if filling is not None:
+            _leave(filling, stopped, results)
+        raise
     finally:
         turn.has_ended = True
     return results
@@ -115,11 +120,13 @@ def _new(wanted: Sequence[Wanted[Any]], turn: RefillTurn) -> _Taken:
     results: list[Refillable] = []
     found: list[NDArray[Any]] = []
     for kind, shapes, more in wanted:
-        arrays = empty_arrays(shapes)
+        empty, arrays, known = maker_of(shapes), {}, {}
+        for name, shape, dtype in shapes.kinds:
+            arrays[name] = array = empty(shape, dtype)
+            known[name] = sealed(array)
         found += arrays.values()
-        known = {name: sealed(array) for name, array in arrays.items()}
         known.update(more)
-        results.append(showing(kind, known, Shown(arrays, shapes, Turns(turn))))
+        results.append(showing(kind, known, Shown(arrays, shapes, turn)))
     return tuple(results), found, ()
 
 
@@ -146,16 +153,9 @@ def _again(
     return out, found, seen
 
 
-def _fill(
-    filling: Whole | Filling, threads: int, progress: Progress | None, results: tuple[Any, ...]
-) -> None:
-    """Fill results; say of what is not filled that it is not done."""
-    try:
-        filling.fill(threads, progress)
-    except BaseException as stopped:
-        done_poses = filling.blank()
-        if isinstance(stopped, KeyboardInterrupt) and done_poses is not None:
-            told = f"{done_poses} of {filling.count} poses"
-            done = results if len(results) > 1 else results[0]
-            raise interrupted(told, done) from None
-        raise
+def _leave(filling: Whole | Filling, stopped: BaseException, results: tuple[Any, ...]) -> None:
+    """Say of what is not filled that it is not done; tell who interrupts what is."""
+    done_poses = filling.blank()
+    if isinstance(stopped, KeyboardInterrupt) and done_poses is not None:
+        told = f"{done_poses} of {filling.count} poses"
+        raise interrupted(told, results if len(results) > 1 else results[0]) from None

@@ -43,11 +43,13 @@ class ManyRates:
     ) -> None:
         self._tape, self._partition, self._tolerance = tape, partition, tolerance
         self._compiled, self._spares, self._finds_radii = compiled, None, False
+        self._goes_ahead = False
         if (library := rates_kernel()) is not None:
             bounds = rank_bounds(partition)
             asked = (tolerance, bounds.weakest, bounds.tolerance, bounds.least_size, FELT, SPREAD)
             motors = partition.actuated.size
             self._finds_radii = radii_kernel() is not None
+            self._goes_ahead = self._finds_radii and not partition.isolated
             self._spares = Spares(partial(RatesInLanes, library, tape, asked, motors, compiled))
 
     def fill(self, poses: Array, J_eq: Array, radii: Sequence[Array] = ()) -> tuple[Array, Mask]:
@@ -87,7 +89,7 @@ class ManyRates:
 
         None where that is not possible. To be put back when what it has found is not needed.
         """
-        if self._spares is None or not self._finds_radii or self._partition.isolated:
+        if self._spares is None or not self._goes_ahead:
             return None
         memory = self._spares.take()
         memory.take(J_eq, radii)

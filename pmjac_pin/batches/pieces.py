@@ -91,10 +91,15 @@ class _Arrays:
     In results that somebody has already, what has become of poses is said when all of their piece
     is done, and before that they are not: so whenever somebody interrupts, and however often, what
     is not done says so.
+
+    Attributes
+    ----------
+    count : int
+        Of poses.
     """
 
     def __init__(self, found: list[NDArray[Any]], work: PieceWork, seen: Sequence[int]) -> None:
-        self._found, self._work, self._seen = found, work, seen
+        self._found, self._work, self._seen, self.count = found, work, seen, len(found[0])
         for k in seen:
             found[k].fill(_NOT_DONE)
 
@@ -113,17 +118,12 @@ class Whole(_Arrays, Piece):
 
     Attributes
     ----------
-    count : int
     helpers
         As of `Filling`: none.
     """
 
     helpers: Sequence[Rest] = ()
-
-    def __init__(self, found: list[NDArray[Any]], work: PieceWork, seen: Sequence[int]) -> None:
-        _Arrays.__init__(self, found, work, seen)
-        self.count = count = len(found[0])
-        self.at, self._is_done = slice(0, count), False
+    at, _is_done = slice(None), False
 
     def part(self, rows: Array) -> Array:
         """Return all of them."""
@@ -156,7 +156,6 @@ class Filling(_Arrays):
 
     Attributes
     ----------
-    count : int
     given_up : bool
         Whether nobody waits for the pieces any longer.
     helpers : list of Rest
@@ -165,7 +164,6 @@ class Filling(_Arrays):
 
     def __init__(self, found: list[NDArray[Any]], work: PieceWork, seen: Sequence[int]) -> None:
         super().__init__(found, work, seen)
-        self.count = len(found[0])
         self._left = {piece.start: piece for piece in pieces_of(self.count)}
         self._waiting = deque(self._left)
         self._ended: deque[int] = deque()

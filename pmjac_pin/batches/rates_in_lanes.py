@@ -101,7 +101,11 @@ class RatesInLanes:
         if count > len(self._certain):
             self._make_room(count)
         self._count, struct.uncertain, struct.J_eq = count, -1, address(J_eq)
-        struct.linear, struct.angular = map(address, radii) if radii else (None, None)
+        if radii:
+            linear, angular = radii
+            struct.linear, struct.angular = address(linear), address(angular)
+        else:
+            struct.linear = struct.angular = None
 
     def run(self, poses: Array) -> None:
         """Find it at so many rows of q.

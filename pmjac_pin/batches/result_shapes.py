@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import fields
 from functools import lru_cache
 from typing import Any
@@ -61,7 +61,12 @@ def shapes_of_closed(count: int, nq: int) -> ResultShapes:
     return ResultShapes({"q": (count, nq), "share": (count,), "status": (count,)})
 
 
+def maker_of(shapes: ResultShapes) -> Callable[[tuple[int, ...], np.dtype[Any]], NDArray[Any]]:
+    """Return what makes one of such arrays."""
+    return np.empty if 8 * shapes.numbers < LARGE else in_memory_left
+
+
 def empty_arrays(shapes: ResultShapes) -> dict[str, NDArray[Any]]:
     """Return arrays of results that are to be filled."""
-    empty = np.empty if 8 * shapes.numbers < LARGE else in_memory_left
+    empty = maker_of(shapes)
     return {name: empty(shape, kind) for name, shape, kind in shapes.kinds}

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -41,6 +42,8 @@ class KernelMachine:
         other.
     arrival_tolerance : float
         The rank tolerance of where steps may end; elsewhere paths end.
+    limits : (float, float)
+        Between which all motors can be.
 
     Attributes
     ----------
@@ -57,6 +60,7 @@ class KernelMachine:
         rank_tolerance: float,
         least_size: float,
         arrival_tolerance: float = 0.0,
+        limits: tuple[float, float] = (-np.inf, np.inf),
     ) -> None:
         partition = problem.partition
         length, motors = partition.length, partition.actuated
@@ -83,6 +87,8 @@ class KernelMachine:
             no_inverse=NO_INVERSE,
             margin=MARGIN,
             arrival_tolerance=arrival_tolerance,
+            lowest=limits[0],
+            highest=limits[1],
             most_corrections=newton_correction.MOST_CORRECTIONS,
         )
 
@@ -132,6 +138,8 @@ class PathsToWalk(NamedTuple):
     design : ndarray, shape (b, k), or None
         What the programs take of each path's own machine; None where they are of one machine.
     following : Following, optional
+    bounded : bool
+        Whether nothing is done where a target is no number between the limits of the machine.
     """
 
     start: Array | CommonStart
@@ -141,6 +149,7 @@ class PathsToWalk(NamedTuple):
     share: Array
     design: Array | None = None
     following: Following | None = None
+    bounded: bool = False
 
 
 class KernelWalk:
@@ -164,6 +173,9 @@ class KernelWalk:
     ways : ndarray, shape (b or more, n)
         How far the motors go, where that was not given.
     iterations, end : ndarray of int, shape (b or more,)
+    set_out, go_on : callable
+        Walk up to so many steps of each lane, from where the paths start or from where they are;
+        tell whether more lead further: 1, or 0. Less than 0 where nothing is done.
     """
 
     def __init__(
@@ -185,7 +197,6 @@ class KernelWalk:
         # With the rates with each motor, how these bend by pairs, and their sizes.
         common = np.zeros(arrival.outputs + motors * (nv + 1) + motors * (motors + 1) // 2 * nv)
         learnt = np.full(machine.struct.nq, np.nan)
-        self._set_out, self._walk = library.pmjac_set_out, library.pmjac_walk
         self._kept = machine, programs, point, states, common, learnt
         self._struct = WalkStruct(
             ctypes.addressof(machine.struct),
@@ -197,7 +208,9 @@ class KernelWalk:
             few=few,
             patience=patience,
         )
-        self._argument, self._one = ctypes.byref(self._struct), np.zeros(machine.struct.nq)
+        argument, self._one = ctypes.byref(self._struct), np.zeros(machine.struct.nq)
+        self.set_out: Callable[[int], int] = partial(library.pmjac_set_out, argument)
+        self.go_on: Callable[[int], int] = partial(library.pmjac_walk, argument)
         self._where_one_is = address(self._one)
         self._common: CommonStart | None = None
         self._following: Following | None = None
@@ -209,7 +222,7 @@ class KernelWalk:
         struct, count = self._struct, len(paths.target)
         if count > len(self.end):
             self._make_room(count)
-        start, way, target, q, share, design, following = paths
+        start, way, target, q, share, design, following, struct.bounded = paths
         target = np.ascontiguousarray(target)
         struct.target, struct.q, struct.share = address(target), address(q), address(share)
         struct.count, struct.most_tries = count, most_tries
@@ -258,11 +271,3 @@ class KernelWalk:
     def all_arrived(self) -> bool:
         """Whether all paths that were taken are at their targets."""
         return bool(self._struct.arrived == self._struct.count)
-
-    def set_out(self, steps: int) -> bool:
-        """Walk from where the paths start, as `go_on` walks on."""
-        return bool(self._set_out(self._argument, steps))
-
-    def go_on(self, steps: int) -> bool:
-        """Walk up to so many steps of each lane; tell whether more lead further."""
-        return bool(self._walk(self._argument, steps))

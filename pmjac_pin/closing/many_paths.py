@@ -46,12 +46,15 @@ class Paths(NamedTuple):
         beside a target that may be: what `close` says of them is not known here.
     all_arrived : bool
         Whether it is known that all are at their targets.
+    are_refused : bool
+        Whether none has set out.
     """
 
     q: Array
     share: Array
     settled: Mask
     all_arrived: bool = False
+    are_refused: bool = False
 
     def less(self, doubtful: Mask) -> Paths:
         """Return paths of which these are not settled where they end early."""

@@ -12,7 +12,7 @@ from pmjac_pin.errors import ArgumentError, unknown_name
 from pmjac_pin.model.coordinates import LIMIT_SLACK, JointCoordinates
 from pmjac_pin.model.spec import MechanismSpec
 from pmjac_pin.values.arrays import Array, Mask
-from pmjac_pin.values.checks import LARGEST, as_numbers, real_numbers, seen_rows, within
+from pmjac_pin.values.checks import LARGEST, are_rows, as_numbers, real_numbers, within
 from pmjac_pin.values.columns import check_stated_unit, columns_of, without_labels
 from pmjac_pin.values.named_values import named_values
 
@@ -26,9 +26,24 @@ class Motors:
     ----------
     spec, coordinates
         Which joints are motors, and all that there are.
+
+    Attributes
+    ----------
+    are_entries : bool
+        Whether their values are entries of q, and their ways differences of these.
+    narrowest : (float, float)
+        The limits within which all of them are within their own.
     """
 
-    __slots__ = ("_columns", "_coordinates", "_entries", "_limits", "_names", "_narrowest")
+    __slots__ = (
+        "_columns",
+        "_coordinates",
+        "_entries",
+        "_limits",
+        "_names",
+        "are_entries",
+        "narrowest",
+    )
 
     def __init__(self, spec: MechanismSpec, coordinates: JointCoordinates) -> None:
         self._coordinates = coordinates
@@ -37,11 +52,11 @@ class Motors:
         ends = (coordinates.lower - LIMIT_SLACK, coordinates.upper + LIMIT_SLACK)
         lower, upper = (np.clip(end[columns], -LARGEST, LARGEST).tolist() for end in ends)
         self._limits = list(zip(lower, upper, strict=True))
-        self._narrowest = max(lower, default=0.0), min(upper, default=0.0)
-        # Where values are entries of q; elsewhere the coordinates know how these turn.
-        straight = not (coordinates.wraps | coordinates.curved)[columns].any()
+        self.narrowest = max(lower, default=0.0), min(upper, default=0.0)
+        # Elsewhere the coordinates know how these turn.
+        self.are_entries = not (coordinates.wraps | coordinates.curved)[columns].any()
         entries = [coordinates.entry(column) for column in columns.tolist()]
-        self._entries = np.array(entries, dtype=np.intp) if straight else None
+        self._entries = np.array(entries, dtype=np.intp) if self.are_entries else None
 
     def within_limits(self, given: Any) -> Array | None:
         """Return a copy of an array of floats that are all within limits; None of all else."""
@@ -72,17 +87,21 @@ class Motors:
         UnknownNameError, ArgumentError
             As `motor_values`; columns of unlike lengths, or that state another unit than m or rad.
         """
+        values = given if are_rows(given) else self._looked_at(given)
+        if values.ndim != 2 or values.shape[1] != len(self._names):
+            wanted = f"(N, {len(self._names)}) for {', '.join(self._names)}"
+            raise ArgumentError(f"motor values of shape {wanted} expected, got {values.shape}")
+        return values
+
+    def _looked_at(self, given: Any) -> Array:
+        """Return values of what is no array of doubles, their columns in the motors' order."""
         if (columns := columns_of(given)) is not None:
             _check_motor_names(self._names, self._coordinates, columns)
             _check_units(self._names, self._coordinates.rotational[self._columns], columns, given)
             return self._by_columns(columns)
         if type(given) in (list, tuple):
             _refuse_named_rows(given)
-        values = seen_rows(given, "motor values")
-        if values.ndim != 2 or values.shape[1] != len(self._names):
-            wanted = f"(N, {len(self._names)}) for {', '.join(self._names)}"
-            raise ArgumentError(f"motor values of shape {wanted} expected, got {values.shape}")
-        return values
+        return real_numbers(given, "motor values")
 
     def _by_columns(self, columns: dict[Any, Any]) -> Array:
         ordered = [
@@ -107,12 +126,7 @@ class Motors:
 
         False also where limits are unlike, and some are beyond the narrowest of them.
         """
-        return within(values, self._narrowest)
-
-    @property
-    def are_entries(self) -> bool:
-        """Whether their values are entries of q, and their ways differences of these."""
-        return self._entries is not None
+        return within(values, self.narrowest)
 
     def ways(self, start: Array, values: Array) -> Array:
         """Return how far the motors go from many q, or from one, to values (N, n)."""

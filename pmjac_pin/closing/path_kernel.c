@@ -260,9 +260,20 @@ int pmjac_walk(Walk *walk, int64_t steps)
     return walk->busy > 0;
 }
 
-/* The same from where paths start. */
+/* Whether a target is no number that all motors can reach. */
+static int some_are_beyond(const Walk *walk)
+{
+    const double lowest = walk->machine->lowest, highest = walk->machine->highest;
+    int beyond = 0;
+    for (int64_t k = 0; k < walk->count * walk->machine->motors; k++)
+        beyond |= !(walk->target[k] >= lowest) | !(walk->target[k] <= highest);
+    return beyond;
+}
+
+/* The same from where paths start; less than 0 where nothing is done. */
 int pmjac_set_out(Walk *walk, int64_t steps)
 {
+    if (walk->bounded && some_are_beyond(walk)) return -1;
     if (walk->ways) set_ways(walk);
     begin(walk);
     return pmjac_walk(walk, steps);

@@ -49,6 +49,7 @@ class MachineStruct(ctypes.Structure):
         *((name, NUMBER) for name in ("least_size", "largest_step", "smallest_step")),
         *((name, NUMBER) for name in ("largest_correction", "slowest_contraction")),
         *((name, NUMBER) for name in ("no_inverse", "margin", "arrival_tolerance")),
+        *((name, NUMBER) for name in ("lowest", "highest")),
         ("most_corrections", COUNT),
     )
 
@@ -79,6 +80,7 @@ class WalkStruct(ctypes.Structure):
         ),
         ("busy", COUNT),
         ("arrived", COUNT),
+        ("bounded", COUNT),
         *((name, POINTER) for name in ("q", "gap", "share", "iterations", "end")),
         *((name, POINTER) for name in ("follow", "given")),
     )

@@ -54,6 +54,8 @@ class PathsInLanes:
     coordinates : JointCoordinates
     compiled : sequence of CompiledProgram or None
         What computes the same as the tapes.
+    limits : (float, float)
+        Between which all motors can be.
     """
 
     def __init__(
@@ -63,6 +65,8 @@ class PathsInLanes:
         problem: ClosureProblem,
         coordinates: JointCoordinates,
         compiled: Sequence[CompiledProgram | None] = (None, None, None),
+        *,
+        limits: tuple[float, float] = (-np.inf, np.inf),
     ) -> None:
         partition = problem.partition
         self._compiled = compiled
@@ -74,6 +78,7 @@ class PathsInLanes:
             tolerance=problem.tolerance,
             rank_tolerance=partition.rank_tolerance,
             least_size=partition.least_size,
+            limits=limits,
         )
         self._walks = Spares(self._another_walk)
         self._common = CommonStart(b"", 0.0)
@@ -89,6 +94,7 @@ class PathsInLanes:
         design: Array | None = None,
         ends: tuple[Array, Array] | None = None,
         following: Following | None = None,
+        bounded: bool = False,
     ) -> Paths:
         """Walk from closed poses.
 
@@ -109,6 +115,8 @@ class PathsInLanes:
             Where q and share go, row by row.
         following : Following, optional
             What is done as soon as all have arrived, and not where some end elsewhere.
+        bounded : bool
+            Whether all are refused where a target is no number between the limits.
         """
         if not len(q):
             return Paths(q.copy(), np.zeros(0), np.zeros(0, dtype=bool))
@@ -117,28 +125,28 @@ class PathsInLanes:
         start: Array | CommonStart = q
         if not q.strides[0]:
             start = self._common_at(q[0]) if design is None else CommonStart(q[0].tobytes(), 0.0)
-        paths = PathsToWalk(start, displacement, target, found, share, design, following)
+        paths = PathsToWalk(start, displacement, target, found, share, design, following, bounded)
         walk.take(paths, most_steps)
         more = walk.set_out(_LANE_STEPS_AT_ONCE)
         go_on()
-        while more:
+        while more > 0:
             more = walk.go_on(_LANE_STEPS_AT_ONCE)
             go_on()
+        walk.let_go()
+        if more < 0:
+            self._walks.put_back(walk)
+            return Paths(found, share, np.zeros(len(q), dtype=bool), are_refused=True)
         if walk.all_arrived:
-            self._put_back(walk)
+            self._walks.put_back(walk)
             return Paths(found, share, _all_of(len(q)), True)
         end = walk.end[: len(q)].copy()
         if displacement is None:
             displacement = walk.ways[: len(q)].copy()
-        self._put_back(walk)
+        self._walks.put_back(walk)
         ended = Paths(found, share, end != SPENT)
         if design is not None:
             return ended.less(end == DOUBTFUL)
         return judged(self._problem, ended, displacement, end == DOUBTFUL)
-
-    def _put_back(self, walk: KernelWalk) -> None:
-        walk.let_go()
-        self._walks.put_back(walk)
 
     def _another_walk(self) -> KernelWalk:
         return KernelWalk(

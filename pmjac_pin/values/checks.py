@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from typing import TypeGuard
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -58,11 +59,9 @@ def real_numbers(given: object, what: str) -> Array:
     return raw.astype(np.float64)
 
 
-def seen_rows(given: object, what: str) -> Array:
-    """Return what `real_numbers` does: the caller's own array where that holds doubles already."""
-    if type(given) is np.ndarray and given.dtype == _DOUBLE and given.flags.aligned:
-        return given
-    return real_numbers(given, what)
+def are_rows(given: object) -> TypeGuard[Array]:
+    """Tell whether this is an array of doubles already, which needs no copy."""
+    return type(given) is np.ndarray and given.dtype == _DOUBLE and given.flags.aligned
 
 
 def within(array: Array, ends: tuple[float, float]) -> bool:

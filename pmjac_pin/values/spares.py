@@ -19,6 +19,11 @@ class Spares(Generic[Work]):
     make : callable
         Makes another one.
 
+    Attributes
+    ----------
+    put_back : callable
+        Leaves one to others.
+
     Examples
     --------
     >>> spares = Spares(list)
@@ -28,10 +33,11 @@ class Spares(Generic[Work]):
     True
     """
 
-    __slots__ = ("_kept", "_make")
+    __slots__ = ("_kept", "_make", "put_back")
 
     def __init__(self, make: Callable[[], Work]) -> None:
         self._make, self._kept = make, deque[Work]()
+        self.put_back: Callable[[Work], None] = self._kept.append
 
     def take(self) -> Work:
         """Return one that nobody else has."""
@@ -39,7 +45,3 @@ class Spares(Generic[Work]):
             return self._kept.pop()
         except IndexError:
             return self._make()
-
-    def put_back(self, one: Work) -> None:
-        """Leave it to others."""
-        self._kept.append(one)

@@ -1,0 +1,61 @@
+"""Path starts: where the paths of many poses begin."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from pmjac_pin.configuration import Configuration
+from pmjac_pin.errors import ArgumentError
+from pmjac_pin.mechanism import Mechanism
+from pmjac_pin.values.arrays import Array
+from pmjac_pin.values.checks import are_rows, real_numbers
+
+
+class PathStarts:
+    """Where paths of one mechanism begin: all at one closed pose, or each at its own q.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+    """
+
+    __slots__ = ("_last", "_mechanism")
+
+    def __init__(self, mechanism: Mechanism) -> None:
+        self._mechanism = mechanism
+        self._last: tuple[Configuration | None, Array] = None, np.empty((0, 0))
+
+    def of(self, guess: Any, count: int) -> tuple[Array, bool]:
+        """Return as many rows of q, and whether it is known that the loops are closed there.
+
+        Raises
+        ------
+        ArgumentError, UnknownNameError
+        """
+        pose = self._mechanism.pose(guess) if isinstance(guess, str) else guess
+        last, rows = self._last  # of most calls, that of the call before
+        if pose is last and len(rows) == count:
+            return rows, True
+        if isinstance(pose, Configuration):
+            q = self.closed_q(pose)
+            self._last = pose, np.broadcast_to(q, (count, q.size))
+            return self._last[1], True
+        rows = self.rows(pose)
+        if len(rows) != count:
+            raise ArgumentError(f"{count} guesses expected, one for each target; got {len(rows)}")
+        return rows, False
+
+    def closed_q(self, pose: Configuration) -> Array:
+        """Return its q; of another mechanism, seen to be closed in this one."""
+        own = pose.mechanism is self._mechanism
+        return pose.q if own else self._mechanism.configuration(pose.q).q
+
+    def rows(self, q: Any) -> Array:
+        """Return q as rows, whose numbers are looked at piece by piece."""
+        given = q if are_rows(q) else real_numbers(q, "q")
+        if given.ndim != 2 or given.shape[1] != self._mechanism.nq:
+            wanted = f"(N, {self._mechanism.nq})"
+            raise ArgumentError(f"q of shape {wanted} expected, got {given.shape}")
+        return given
