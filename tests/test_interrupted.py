@@ -17,7 +17,7 @@ import pytest
 import pmjac_pin as pj
 from pmjac_pin.batches import pieces
 from pmjac_pin.batches.closing import Closing
-from pmjac_pin.batches.gathering import Manner, Wanted, gathered
+from pmjac_pin.batches.gathering import Wanted, gathered
 from pmjac_pin.batches.pieces import PIECE, pieces_of
 from pmjac_pin.batches.rest import Rest
 from pmjac_pin.batches.result_shapes import shapes_of
@@ -170,7 +170,7 @@ def test_nobody_waits_for_a_piece_that_takes_long(threads):
 
     threading.Thread(target=interrupt).start()
     with pytest.raises(pj.Interrupted, match="0 of 5000 poses") as raised:
-        gathered(wanted(5000), work, Manner(threads))
+        gathered(wanted(5000), work, (threads, None))
     stop.set()
     assert (raised.value.done.status == pj.Status.NOT_DONE).all()
 
@@ -191,7 +191,7 @@ def test_what_is_raised_is_of_the_first_piece_that_fails(later):
             raise ValueError("first")
 
     with pytest.raises(ValueError, match="first"):
-        gathered(wanted(count), work, Manner(2))
+        gathered(wanted(count), work, (2, None))
 
 
 @pytest.mark.parametrize("threads", [1, 2, 5])
@@ -201,7 +201,7 @@ def test_progress_tells_of_all_in_the_end(threads):
     def work(piece, J_eq, status):
         J_eq[:], status[:] = piece.at.start, 0
 
-    found = gathered(wanted(count), work, Manner(threads, lambda *given: told.append(given)))
+    found = gathered(wanted(count), work, (threads, lambda *given: told.append(given)))
     for piece in pieces_of(count):
         assert (found.J_eq[piece] == piece.start).all()
     assert told[-1] == (count, count)
@@ -266,7 +266,7 @@ def test_a_second_interrupt_waits_for_what_is_still_written():
         J_eq[:], status[:] = 1.0, 0
 
     with pytest.raises(pj.Interrupted) as raised:
-        gathered(wanted(count), work, Manner(2))
+        gathered(wanted(count), work, (2, None))
     assert end.is_set()
     known = raised.value.done.status == pj.Status.CLOSED
     assert (raised.value.done.J_eq[known] == 1.0).all()
@@ -319,5 +319,5 @@ def test_where_no_thread_can_begin_the_caller_does_all(monkeypatch):
         def work(piece, J_eq, status):
             J_eq[:], status[:] = 1.0, 0
 
-        assert (gathered(wanted(count), work, Manner(4)).J_eq == 1.0).all()
+        assert (gathered(wanted(count), work, (4, None)).J_eq == 1.0).all()
         assert len(begun) == most

@@ -144,7 +144,7 @@ class Batch:
         """
         count, work, given = self._paths(actuated, guess, enforce_limits)
         wanted: Wanted[ManyClosed] = self._wanted(ManyClosed, count)
-        return gathered(wanted, work, Manner(threads, progress, given), out)
+        return gathered(wanted, work, (threads, progress), out, given)
 
     def grid(
         self,
@@ -212,7 +212,7 @@ class Batch:
             self._closing.close(piece, paths, whose, found, most_steps=most_steps)
 
         wanted: Wanted[ManyClosed] = self._wanted(ManyClosed, len(start))
-        return gathered(wanted, work, Manner(threads))
+        return gathered(wanted, work, (threads, None))
 
     def _paths(
         self, actuated: ArrayLike, guess: Any, enforce_limits: bool | str
@@ -260,8 +260,8 @@ class Batch:
             As for `close`.
         """
         name, poses = frame_name(frame), self._starts.rows(q)
-        how = Manner(threads, progress, (poses,))
-        return self._gathered(ManyJacobians, self._at_poses.jacobian(name), how, out)
+        work, how = self._at_poses.jacobian(name), (threads, progress)
+        return self._gathered(ManyJacobians, work, poses, how, out)
 
     def ellipsoids(
         self,
@@ -288,8 +288,8 @@ class Batch:
         >>> bool(abs(found.velocity_radii[0] - of_one).max() < 1e-12)
         True
         """
-        how = Manner(threads, progress, (self._starts.rows(q),))
-        return self._gathered(ManyEllipsoids, self._at_poses.ellipsoids(), how, out)
+        poses, work = self._starts.rows(q), self._at_poses.ellipsoids()
+        return self._gathered(ManyEllipsoids, work, poses, (threads, progress), out)
 
     def measures(
         self,
@@ -315,8 +315,8 @@ class Batch:
         >>> bool(abs(found.smallest[0] - home.singularity().smallest) < 1e-12)
         True
         """
-        how = Manner(threads, progress, (self._starts.rows(q),))
-        return self._gathered(ManyMeasures, self._at_poses.measures(), how, out)
+        poses, work = self._starts.rows(q), self._at_poses.measures()
+        return self._gathered(ManyMeasures, work, poses, (threads, progress), out)
 
     def ellipsoids_at(
         self,
@@ -394,17 +394,18 @@ class Batch:
         self,
         kind: type[ManyRatesKind],
         work: RatesWork,
+        poses: Array,
         how: Manner,
         out: ManyRatesKind | None,
     ) -> ManyRatesKind:
         """Return what is found at the poses that are given."""
-        (poses,), sound = how.given, self._where_sound(work)
+        sound = self._where_sound(work)
 
         def of_piece(piece: Piece, *found: Any) -> None:
             sound(piece, piece.part(poses), *found)
 
         wanted: Wanted[ManyRatesKind] = self._wanted(kind, len(poses))
-        return gathered(wanted, of_piece, how, out)
+        return gathered(wanted, of_piece, how, out, (poses,))
 
     def _where_sound(self, work: RatesWork) -> RatesWork:
         """Return the same for rows of which some may be no q."""
@@ -422,7 +423,7 @@ class Batch:
         kind: type[ManyRatesKind],
         work: RatesWork,
         paths: tuple[int, PieceWork, tuple[Array, ...]],
-        how: tuple[int | None, Progress | None],
+        how: Manner,
         out: tuple[ManyClosed, ManyRatesKind] | None,
     ) -> tuple[ManyClosed, ManyRatesKind]:
         """Return closed poses, and what is found there while they are at hand."""
@@ -443,7 +444,7 @@ class Batch:
                 work(piece, q, *found)
 
         wanted = self._wanted(ManyClosed, count), self._wanted(kind, count)
-        return gathered_together(wanted, closed, Manner(*how, given), out)
+        return gathered_together(wanted, closed, how, out, given)
 
     @cached_property
     def _wanted(self) -> Callable[..., Wanted[Any]]:

@@ -119,7 +119,8 @@ class Closing:
         status.fill(CLOSED)
         if not (walked.all_arrived or (share == 1.0).all()):
             self._settle(piece, paths, walked.settled, found, most_steps)
-        self._keep_to_limits(whose, values, q, status)
+        if whose != "none":
+            self._keep_to_limits(whose, values, q, status)
         return True
 
     def _settle(
@@ -143,7 +144,7 @@ class Closing:
 
     def _keep_to_limits(self, whose: str, values: Array, q: Array, status: Statuses) -> None:
         """Say of which poses some are beyond."""
-        if whose != "none" and (beyond := self.mechanism.motors.beyond(values)) is not None:
+        if (beyond := self.mechanism.motors.beyond(values)) is not None:
             status[beyond] = Status.LIMITS
         if whose == "all":
             outside = beyond_limits(self.mechanism.coordinates, q)

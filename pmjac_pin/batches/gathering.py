@@ -27,20 +27,8 @@ Results = TypeVar("Results", bound=Refillable)
 _NOTHING_MORE: Mapping[str, Any] = MappingProxyType({})
 
 
-class Manner(NamedTuple):
-    """How many poses are computed.
-
-    Attributes
-    ----------
-    threads, progress
-        As of `Batch.close`.
-    given : tuple of ndarray
-        What is read while results are filled.
-    """
-
-    threads: int | None = None
-    progress: Progress | None = None
-    given: tuple[Array, ...] = ()
+#: (threads, progress) of `Batch.close`: how many poses are computed.
+Manner: TypeAlias = tuple[int | None, Progress | None]
 
 
 class Wanted(NamedTuple, Generic[Results]):
@@ -66,7 +54,11 @@ _Taken: TypeAlias = tuple[tuple[Any, ...], list[NDArray[Any]], Sequence[int]]
 
 
 def gathered(
-    wanted: Wanted[Results], work: PieceWork, how: Manner, out: Results | None = None
+    wanted: Wanted[Results],
+    work: PieceWork,
+    how: Manner,
+    out: Results | None = None,
+    given: tuple[Array, ...] = (),
 ) -> Results:
     """Return results of many poses.
 
@@ -79,13 +71,16 @@ def gathered(
     how : Manner
     out : Results, optional
         To be filled again, and returned.
+    given : tuple of ndarray
+        What is read while results are filled.
 
     Raises
     ------
     ArgumentError, Interrupted
     """
     result: Results
-    (result,) = gathered_together((wanted,), work, how, None if out is None else (out,))
+    again = None if out is None else (out,)
+    (result,) = gathered_together((wanted,), work, how, again, given)
     return result
 
 
@@ -94,9 +89,10 @@ def gathered_together(
     work: PieceWork,
     how: Manner,
     out: tuple[Any, ...] | None = None,
+    given: tuple[Array, ...] = (),
 ) -> tuple[Any, ...]:
     """Return several results of the same poses, each piece of all of them at a time."""
-    asked, progress, given = how
+    asked, progress = how
     check_callable(progress, "progress")
     threads, turn, filling = thread_count(asked), RefillTurn(), None
     try:

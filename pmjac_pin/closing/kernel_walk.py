@@ -124,34 +124,6 @@ class CommonStart(NamedTuple):
     inverse: float
 
 
-class PathsToWalk(NamedTuple):
-    """Paths, and where they end.
-
-    Attributes
-    ----------
-    start : ndarray, shape (b, nq), or CommonStart
-        Closed poses.
-    displacement, target : ndarray, shape (b, n)
-        Of the motors. No displacement: from entries of q to the targets.
-    q, share : ndarray, shapes (b, nq) and (b,)
-        Where each ended, and at which share of the way; not before it is walked.
-    design : ndarray, shape (b, k), or None
-        What the programs take of each path's own machine; None where they are of one machine.
-    following : Following, optional
-    bounded : bool
-        Whether nothing is done where a target is no number between the limits of the machine.
-    """
-
-    start: Array | CommonStart
-    displacement: Array | None
-    target: Array
-    q: Array
-    share: Array
-    design: Array | None = None
-    following: Following | None = None
-    bounded: bool = False
-
-
 class KernelWalk:
     """Memory of one thread in which a kernel walks.
 
@@ -214,18 +186,44 @@ class KernelWalk:
         self._where_one_is = address(self._one)
         self._common: CommonStart | None = None
         self._following: Following | None = None
-        self._given: object = None
         self._make_room(1)
 
-    def take(self, paths: PathsToWalk, most_tries: int = straight_path.MOST_STEPS) -> None:
-        """Take paths to walk, of at most so many steps."""
-        struct, count = self._struct, len(paths.target)
+    def take(
+        self,
+        start: Array | CommonStart,
+        way: Array | None,
+        target: Array,
+        ends: tuple[Array, Array],
+        *,
+        most_tries: int = straight_path.MOST_STEPS,
+        design: Array | None = None,
+        following: Following | None = None,
+        bounded: bool = False,
+    ) -> object:
+        """Take paths to walk; return what holds the arrays that are read while they are walked.
+
+        Parameters
+        ----------
+        start : ndarray, shape (b, nq), or CommonStart
+            Closed poses.
+        way, target : ndarray, shape (b, n)
+            Of the motors. No way: from entries of q to the targets.
+        ends : (ndarray, ndarray), shapes (b, nq) and (b,)
+            Where each ended, q and its share of the way; not before it is walked.
+        most_tries : int
+            Steps of each path.
+        design : ndarray, shape (b, k), optional
+            What the programs take of each path's own machine; None where they are of one machine.
+        following : Following, optional
+        bounded : bool
+            Whether nothing is done where a target is no number between the limits of the machine.
+        """
+        struct, count, (q, share) = self._struct, len(target), ends
         if count > len(self.end):
             self._make_room(count)
-        start, way, target, q, share, design, following, struct.bounded = paths
         target = np.ascontiguousarray(target)
         struct.target, struct.q, struct.share = address(target), address(q), address(share)
-        struct.count, struct.most_tries = count, most_tries
+        struct.count, struct.most_tries, struct.bounded = count, most_tries, bounded
         if start is not self._common:
             start = self._take_start(start)
         if way is None:
@@ -240,7 +238,7 @@ class KernelWalk:
         if following is not self._following:
             struct.follow, struct.given, _ = following or (None, None, None)
             self._following = following
-        self._given = start, target, way, design, paths
+        return start, target, way, design, ends
 
     def _take_start(self, start: Array | CommonStart) -> Array | CommonStart:
         """Take where paths start; return what holds it."""
@@ -262,10 +260,6 @@ class KernelWalk:
         struct = self._struct
         struct.gap, struct.iterations = address(self.gap), address(self.iterations)
         struct.end = address(self.end)
-
-    def let_go(self) -> None:
-        """Keep nothing of paths that are walked: they may be parts of large arrays."""
-        self._given = None
 
     @property
     def all_arrived(self) -> bool:

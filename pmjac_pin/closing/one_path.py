@@ -15,7 +15,7 @@ import numpy as np
 from pmjac_pin.algebra.tape import Tape
 from pmjac_pin.closing import straight_path
 from pmjac_pin.closing.closure_problem import ClosureProblem
-from pmjac_pin.closing.kernel_walk import SPENT, KernelMachine, KernelWalk, PathsToWalk
+from pmjac_pin.closing.kernel_walk import SPENT, KernelMachine, KernelWalk
 from pmjac_pin.closing.motor_values import Motors
 from pmjac_pin.closing.one_pose import SURELY
 from pmjac_pin.model.coordinates import JointCoordinates
@@ -82,22 +82,23 @@ class OnePath:
         if not np.dot(scaled, scaled) <= self._farthest**2:
             return None
         try:
-            walk, paths, displacement = self._threads.work
+            walk, start, ways, target, ends = self._threads.work
         except AttributeError:
-            walk, paths, displacement = self._threads.work = self._work()
-        paths.start[0], displacement[0], paths.target[0] = q, way, values
+            walk, start, ways, target, ends = self._threads.work = self._work()
+        start[0], ways[0], target[0] = q, way, values
         more = walk.set_out(_STEPS_AT_ONCE)
         while more:
             more = walk.go_on(_STEPS_AT_ONCE)
         if walk.end[0] == SPENT:
             return None
-        gap, iterations = float(walk.gap[0]), int(walk.iterations[0])
-        return Ahead(paths.q[0].copy(), gap, float(paths.share[0]), iterations)
+        (end, share), gap, iterations = ends, float(walk.gap[0]), int(walk.iterations[0])
+        return Ahead(end[0].copy(), gap, float(share[0]), iterations)
 
-    def _work(self) -> tuple[KernelWalk, PathsToWalk, Array]:
+    def _work(self) -> tuple[KernelWalk, Array, Array, Array, tuple[Array, Array]]:
+        """Return what walks one path, and the rows that it reads and fills."""
         walk = KernelWalk(self._library, self._machine, self._tapes)
-        start, q = np.zeros((2, 1, self._tapes[0].outputs))
-        displacement, target = np.zeros((2, 1, self._scale.size))
-        paths = PathsToWalk(start, displacement, target, q, np.zeros(1))
-        walk.take(paths)
-        return walk, paths, displacement
+        start, end = np.zeros((2, 1, self._tapes[0].outputs))
+        way, target = np.zeros((2, 1, self._scale.size))
+        ends = end, np.zeros(1)
+        walk.take(start, way, target, ends)
+        return walk, start, way, target, ends

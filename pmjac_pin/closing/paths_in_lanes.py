@@ -20,7 +20,6 @@ from pmjac_pin.closing.kernel_walk import (
     Following,
     KernelMachine,
     KernelWalk,
-    PathsToWalk,
 )
 from pmjac_pin.closing.many_paths import FEW, LONG, GoOn, Paths, judged
 from pmjac_pin.model.coordinates import JointCoordinates
@@ -120,30 +119,38 @@ class PathsInLanes:
         """
         if not len(q):
             return Paths(q.copy(), np.zeros(0), np.zeros(0, dtype=bool))
-        found, share = (np.empty(q.shape), np.empty(len(q))) if ends is None else ends
+        if ends is None:
+            ends = np.empty(q.shape), np.empty(len(q))
         walk = self._walks.take()
         start: Array | CommonStart = q
         if not q.strides[0]:
             start = self._common_at(q[0]) if design is None else CommonStart(q[0].tobytes(), 0.0)
-        paths = PathsToWalk(start, displacement, target, found, share, design, following, bounded)
-        walk.take(paths, most_steps)
+        _read = walk.take(
+            start,
+            displacement,
+            target,
+            ends,
+            most_tries=most_steps,
+            design=design,
+            following=following,
+            bounded=bounded,
+        )
         more = walk.set_out(_LANE_STEPS_AT_ONCE)
         go_on()
         while more > 0:
             more = walk.go_on(_LANE_STEPS_AT_ONCE)
             go_on()
-        walk.let_go()
         if more < 0:
             self._walks.put_back(walk)
-            return Paths(found, share, np.zeros(len(q), dtype=bool), are_refused=True)
+            return Paths(*ends, np.zeros(len(q), dtype=bool), are_refused=True)
         if walk.all_arrived:
             self._walks.put_back(walk)
-            return Paths(found, share, _all_of(len(q)), True)
+            return Paths(*ends, _all_of(len(q)), all_arrived=True)
         end = walk.end[: len(q)].copy()
         if displacement is None:
             displacement = walk.ways[: len(q)].copy()
         self._walks.put_back(walk)
-        ended = Paths(found, share, end != SPENT)
+        ended = Paths(*ends, end != SPENT)
         if design is not None:
             return ended.less(end == DOUBTFUL)
         return judged(self._problem, ended, displacement, end == DOUBTFUL)
