@@ -35,13 +35,13 @@ class PathStarts:
         ArgumentError, UnknownNameError
         """
         pose = self._mechanism.pose(guess) if isinstance(guess, str) else guess
-        last, rows = self._last  # of most calls, that of the call before
-        if pose is last and len(rows) == count:
-            return rows, True
         if isinstance(pose, Configuration):
-            q = self.closed_q(pose)
-            self._last = pose, np.broadcast_to(q, (count, q.size))
-            return self._last[1], True
+            last, rows = self._last  # of most calls, those of the call before
+            if pose is not last or len(rows) != count:
+                q = self.closed_q(pose)
+                rows = np.broadcast_to(q, (count, q.size))
+                self._last = pose, rows  # not read again: threads may ask at the same time
+            return rows, True
         rows = self.rows(pose)
         if len(rows) != count:
             raise ArgumentError(f"{count} guesses expected, one for each target; got {len(rows)}")
