@@ -157,16 +157,15 @@ class Mechanism(MechanismSiblings, Shown):
         ClosureError
             The loops do not close near it, or not within the joints' limits.
         """
-        if isinstance(name, str) and name in self._poses:
-            return self._poses[name]
+        if isinstance(name, str) and (known := self._poses.get(name)) is not None:
+            return known
         if not isinstance(name, str) or name not in self._parts.spec.poses:
             raise unknown_name("pose", name, self.poses)
         parts, q = self._parts, self._parts.home_q
         if name != "home":
             start = parts.coordinates.q(self.spec.poses[name], parts.home_q)
             q = assemble_pose(parts, start, name)
-        self._poses[name] = Configuration._of_q(self, q)
-        return self._poses[name]
+        return self._poses.setdefault(name, Configuration._of_q(self, q))
 
     def moved(self, pose: str = "home") -> Mapping[str, float]:
         """Return how far each degree of freedom had to move to close a pose's loops.

@@ -10,7 +10,7 @@ from test_batch import LONGER, NAMES, machine, targets, turning
 import pmjac_pin as pj
 from pmjac_pin.batches.few_poses import FewPoses
 from pmjac_pin.batches.pieces import PIECE
-from pmjac_pin.values.checks import are_rows
+from pmjac_pin.values.checks import are_doubles
 
 CALLS = ("jacobian", "ellipsoids", "measures")
 BAD = (np.nan, np.inf, -np.inf, 1e10)
@@ -151,7 +151,7 @@ def test_numbers_at_odd_addresses_are_copied(rng):
     values = targets(many.mechanism, 70, 0.1, rng)
     odd = np.ndarray(values.shape, float, b"x" + values.tobytes(), 1)
     assert not odd.flags.aligned
-    assert not are_rows(odd)
+    assert not are_doubles(odd)
     assert many.mechanism.motors.table(odd).flags.aligned
     assert many.mechanism.motors.table(values) is values
     np.testing.assert_array_equal(many.close(odd).q, many.close(values).q)

@@ -38,7 +38,7 @@ def stop_at(most):
 
 
 def wanted(count):
-    return Wanted(pj.ManyJacobians, shapes_of(pj.ManyJacobians, count, 1))
+    return Wanted(pj.ManyJacobians, shapes_of(pj.ManyJacobians, count, 1), {})
 
 
 @pytest.fixture(scope="module")

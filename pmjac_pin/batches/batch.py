@@ -5,8 +5,8 @@ What a program certifies is what the single call says; where it cannot, the sing
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from functools import cached_property, lru_cache, partial
+from collections.abc import Mapping
+from functools import cached_property, partial
 from typing import Any, TypeVar
 
 import numpy as np
@@ -17,11 +17,11 @@ from pmjac_pin.algebra.tape_runner import tape_kernel
 from pmjac_pin.batches.at_poses import AtPoses, RatesWork
 from pmjac_pin.batches.closing import Closing
 from pmjac_pin.batches.ellipsoids_work import EllipsoidsWork
-from pmjac_pin.batches.gathering import Manner, Wanted, gathered, gathered_together
+from pmjac_pin.batches.gathering import Manner, Results, Wanted, gathered, gathered_together
 from pmjac_pin.batches.grid import Grid
 from pmjac_pin.batches.path_starts import PathStarts
 from pmjac_pin.batches.pieces import Piece, PieceWork, Progress
-from pmjac_pin.batches.result_shapes import shapes_of, shapes_of_closed
+from pmjac_pin.batches.result_shapes import shapes_of
 from pmjac_pin.batches.results import (
     ManyClosed,
     ManyEllipsoids,
@@ -143,7 +143,7 @@ class Batch:
             and guesses the status tells.
         """
         count, work, given = self._paths(actuated, guess, enforce_limits)
-        wanted: Wanted[ManyClosed] = self._wanted(ManyClosed, count)
+        wanted = self._wanted(ManyClosed, count)
         return gathered(wanted, work, (threads, progress), out, given)
 
     def grid(
@@ -211,7 +211,7 @@ class Batch:
             paths = piece.part(start), piece.part(targets)
             self._closing.close(piece, paths, whose, found, most_steps=most_steps)
 
-        wanted: Wanted[ManyClosed] = self._wanted(ManyClosed, len(start))
+        wanted = self._wanted(ManyClosed, len(start))
         return gathered(wanted, work, (threads, None))
 
     def _paths(
@@ -227,7 +227,7 @@ class Batch:
             """Tell whether of some paths nothing is known; where that is so, nothing follows."""
             begin, targets = piece.part(start), piece.part(values)
             if known and closing.close(
-                piece, (begin, targets), inside, found, following=following, bounded=True
+                piece, (begin, targets), inside, found, following=following, only_inside=True
             ):
                 return False
             begin, targets, why = self._sound.of_paths(begin, targets, is_open)
@@ -404,7 +404,7 @@ class Batch:
         def of_piece(piece: Piece, *found: Any) -> None:
             sound(piece, piece.part(poses), *found)
 
-        wanted: Wanted[ManyRatesKind] = self._wanted(kind, len(poses))
+        wanted = self._wanted(kind, len(poses))
         return gathered(wanted, of_piece, how, out, (poses,))
 
     def _where_sound(self, work: RatesWork) -> RatesWork:
@@ -433,28 +433,26 @@ class Batch:
         count, close, given = paths
 
         def closed(piece: Piece, q: Array, share: Array, status: Statuses, *found: Any) -> None:
+            rates, following = work, None
             if isinstance(work, EllipsoidsWork) and (begun := work.begun(*found)) is not None:
-                if close(piece, q, share, status, following=begun.following):
-                    self._where_sound(partial(work.end, begun))(piece, q, *found)
-                else:
-                    work.end(begun, piece, q, *found)
-            elif close(piece, q, share, status):
-                self._where_sound(work)(piece, q, *found)
-            else:
-                work(piece, q, *found)
+                rates, following = partial(work.end, begun), begun.following
+            some_unknown = close(piece, q, share, status, following=following)
+            (self._where_sound(rates) if some_unknown else rates)(piece, q, *found)
 
         wanted = self._wanted(ManyClosed, count), self._wanted(kind, count)
         return gathered_together(wanted, closed, how, out, given)
 
+    def _wanted(self, kind: type[Results], count: int) -> Wanted[Results]:
+        """Say which results are wanted of so many poses; the last of each kind are known again."""
+        last: Wanted[Results] | None = self._last_wanted.get(kind)
+        if last is None or last.shapes["status"] != (count,):
+            mechanism = self.mechanism
+            motors, nq = len(mechanism.actuated), mechanism.nq
+            shapes = shapes_of(kind, count, motors, nq)  # type: ignore[arg-type]
+            known = {"_coordinates": mechanism.coordinates} if kind is ManyClosed else {}
+            last = self._last_wanted[kind] = Wanted(kind, shapes, known)
+        return last
+
     @cached_property
-    def _wanted(self) -> Callable[..., Wanted[Any]]:
-        """What says which results of a kind are wanted of so many poses: the last are kept."""
-        nq, motors = self.mechanism.nq, len(self.mechanism.actuated)
-        known = {"_coordinates": self.mechanism.coordinates}
-
-        def wanted(kind: type, count: int) -> Wanted[Any]:
-            if kind is ManyClosed:
-                return Wanted(kind, shapes_of_closed(count, nq), known)
-            return Wanted(kind, shapes_of(kind, count, motors))
-
-        return lru_cache(maxsize=16)(wanted)
+    def _last_wanted(self) -> dict[type, Wanted[Any]]:
+        return {}

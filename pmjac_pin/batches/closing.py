@@ -55,18 +55,18 @@ class Closing:
             return cls(mechanism, None)
         tapes, library = mechanism.recorded.walking, many_paths_kernel()
         known = mechanism.problem, mechanism.coordinates
+        if library is None and compiled is not None:
+            raise MissingDependencyError(
+                "compiled programs are run by a kernel that is built when pmjac_pin is installed, "
+                "and none was: install a C compiler, then pmjac_pin anew (pip install "
+                "--force-reinstall --no-deps pmjac_pin)"
+            )
         partition, lanes = mechanism.problem.partition, None
         some_are_led = partition.constraint_rank > partition.passive_rank
         if library is not None and not some_are_led:
             programs = [None if compiled is None else compiled.of(tape) for tape in tapes]
             lanes = PathsInLanes(
                 library, tapes, *known, programs, limits=mechanism.motors.narrowest
-            )
-        elif library is None and compiled is not None:
-            raise MissingDependencyError(
-                "compiled programs are run by a kernel that is built when pmjac_pin is installed, "
-                "and none was: install a C compiler, then pmjac_pin anew (pip install "
-                "--force-reinstall --no-deps pmjac_pin)"
             )
         idling = mechanism.recorded.idling
         idle = None if idling is None else ManyIdlePaths(*known, *idling)
@@ -96,13 +96,18 @@ class Closing:
         *,
         most_steps: int | None = None,
         following: Following | None = None,
-        bounded: bool = False,
+        only_inside: bool = False,
     ) -> bool:
         """Find q, share and status of one piece, of paths from closed q to motor values.
 
         With so few steps, what is not certain by them has the status NOT_DONE. What follows is done
-        only where a kernel has walked, and all have arrived. Tell whether anything is done:
-        bounded, nothing is where `Motors.are_inside` says no.
+        only where a kernel has walked, and all have arrived.
+
+        Returns
+        -------
+        bool
+            False, and nothing is done, where it is to be `only_inside` and not all targets are
+            (`Motors.are_inside`).
         """
         (start, values), (q, share, status) = paths, found
         walked = self.together(
@@ -112,7 +117,7 @@ class Closing:
             go_on=piece.go_on,
             most_steps=most_steps,
             following=following,
-            bounded=bounded,
+            only_inside=only_inside,
         )
         if walked.are_refused:
             return False
@@ -159,13 +164,16 @@ class Closing:
         go_on: GoOn = lambda: None,
         most_steps: int | None = None,
         following: Following | None = None,
-        bounded: bool = False,
+        only_inside: bool = False,
     ) -> Paths:
         """Walk all paths by the program, which says which are settled; find q and share."""
         (q, share), motors = ends, self.mechanism.motors
-        most, lanes = most_steps or MOST_STEPS, self.lanes if self.idle is None else None
-        if lanes is None and bounded and not motors.are_inside(values):
-            return Paths(q, share, np.zeros(len(values), dtype=bool), are_refused=True)
+        most = most_steps or MOST_STEPS
+        lanes = self.lanes if self.idle is None else None
+        # Ways are not made of values that nobody has looked at: then the kernel need not look.
+        kernel_looks = lanes is not None and motors.are_entries
+        if only_inside and not kernel_looks and not motors.are_inside(values):
+            return Paths.refused(ends)
         # Where some motors lead and others are led, single calls know the way.
         if self.walker is None or self.some_are_led:
             q[:], share[:] = start, 0.0
@@ -183,7 +191,7 @@ class Closing:
                 most,
                 ends=ends,
                 following=following,
-                bounded=bounded,
+                only_inside=only_inside and kernel_looks,
             )
         if paths.all_arrived or paths.are_refused:
             return paths

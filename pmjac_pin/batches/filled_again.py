@@ -23,7 +23,7 @@ from pmjac_pin.values.arrays import Array, ReadOnlyArrays
 
 
 class Shown(Turns):
-    """Turns to fill the arrays that a result shows.
+    """Turns to fill the arrays that a result shows, the first of them the call's that makes it.
 
     Attributes
     ----------
@@ -38,7 +38,8 @@ class Shown(Turns):
     def __init__(
         self, arrays: Mapping[str, NDArray[Any]], shapes: ResultShapes, first: RefillTurn
     ) -> None:
-        self.arrays, self.shapes, self._last = arrays, shapes, first
+        super().__init__(first)
+        self.arrays, self.shapes = arrays, shapes
 
 
 @dataclass(frozen=True, eq=False)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from types import MappingProxyType
 from typing import Any, Generic, NamedTuple, TypeAlias, TypeVar
 
 from numpy.typing import NDArray
@@ -24,10 +23,9 @@ from pmjac_pin.values.arrays import Array, sealed
 from pmjac_pin.values.checks import check_callable
 
 Results = TypeVar("Results", bound=Refillable)
-_NOTHING_MORE: Mapping[str, Any] = MappingProxyType({})
 
 
-#: (threads, progress) of `Batch.close`: how many poses are computed.
+#: In which manner poses are computed: (threads, progress) of `Batch.close`.
 Manner: TypeAlias = tuple[int | None, Progress | None]
 
 
@@ -46,7 +44,7 @@ class Wanted(NamedTuple, Generic[Results]):
 
     kind: type[Results]
     shapes: ResultShapes
-    more: Mapping[str, Any] = _NOTHING_MORE
+    more: Mapping[str, Any]
 
 
 #: Results; the arrays of all of them; which of these are statuses that somebody has already.

@@ -10,7 +10,7 @@ from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import ArgumentError
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.values.arrays import Array
-from pmjac_pin.values.checks import are_rows, real_numbers
+from pmjac_pin.values.checks import are_doubles, real_numbers
 
 
 class PathStarts:
@@ -54,7 +54,7 @@ class PathStarts:
 
     def rows(self, q: Any) -> Array:
         """Return q as rows, whose numbers are looked at piece by piece."""
-        given = q if are_rows(q) else real_numbers(q, "q")
+        given = q if are_doubles(q) else real_numbers(q, "q")
         if given.ndim != 2 or given.shape[1] != self._mechanism.nq:
             wanted = f"(N, {self._mechanism.nq})"
             raise ArgumentError(f"q of shape {wanted} expected, got {given.shape}")

@@ -13,8 +13,9 @@ from numpy.typing import NDArray
 
 from pmjac_pin.batches.memory_left import LARGE, in_memory_left
 
-_OF_ONE_POSE: dict[str, tuple[int, ...]] = {  # -1: one for each motor
-    "J_eq": (6, -1), "status": (), "velocity_radii": (3,), "angular_radii": (3,),
+_OF_ONE_POSE: dict[str, tuple[int, ...]] = {  # -1: one for each motor, -2: for each entry of q
+    "q": (-2,), "share": (), "J_eq": (6, -1), "status": (),
+    "velocity_radii": (3,), "angular_radii": (3,),
     "smallest": (), "condition": (), "position": (3,), "rotation": (3, 3),
 }  # fmt: skip
 
@@ -43,26 +44,20 @@ class ResultShapes(dict[str, tuple[int, ...]]):
 
 
 @lru_cache(maxsize=64)
-def shapes_of(kind: type, count: int, motors: int) -> ResultShapes:
+def shapes_of(kind: type, count: int, motors: int, nq: int = 0) -> ResultShapes:
     """Return the shapes of what is found at so many poses: of the arrays of a kind of results."""
-    names = {one.name for one in fields(kind)}
+    names, sizes = {one.name for one in fields(kind)}, {-1: motors, -2: nq}
     return ResultShapes(
         {
-            name: (count, *(motors if size < 0 else size for size in shape))
+            name: (count, *(sizes.get(size, size) for size in shape))
             for name, shape in _OF_ONE_POSE.items()
             if name in names
         }
     )
 
 
-@lru_cache(maxsize=64)
-def shapes_of_closed(count: int, nq: int) -> ResultShapes:
-    """Return the shapes of the arrays of so many paths."""
-    return ResultShapes({"q": (count, nq), "share": (count,), "status": (count,)})
-
-
 def maker_of(shapes: ResultShapes) -> Callable[[tuple[int, ...], np.dtype[Any]], NDArray[Any]]:
-    """Return what makes one of such arrays."""
+    """Return what makes one of such arrays: where they are large, in memory others have left."""
     return np.empty if 8 * shapes.numbers < LARGE else in_memory_left
 
 

@@ -147,7 +147,7 @@ class KernelWalk:
     iterations, end : ndarray of int, shape (b or more,)
     set_out, go_on : callable
         Walk up to so many steps of each lane, from where the paths start or from where they are;
-        tell whether more lead further: 1, or 0. Less than 0 where nothing is done.
+        tell whether more lead further: 1, or 0. Less than 0 of `set_out` where nothing is done.
     """
 
     def __init__(
@@ -191,23 +191,23 @@ class KernelWalk:
     def take(
         self,
         start: Array | CommonStart,
-        way: Array | None,
+        displacement: Array | None,
         target: Array,
         ends: tuple[Array, Array],
         *,
         most_tries: int = straight_path.MOST_STEPS,
         design: Array | None = None,
         following: Following | None = None,
-        bounded: bool = False,
+        only_inside: bool = False,
     ) -> object:
-        """Take paths to walk; return what holds the arrays that are read while they are walked.
+        """Take paths to walk; return what is to be kept until they are: C reads and writes there.
 
         Parameters
         ----------
         start : ndarray, shape (b, nq), or CommonStart
             Closed poses.
-        way, target : ndarray, shape (b, n)
-            Of the motors. No way: from entries of q to the targets.
+        displacement, target : ndarray, shape (b, n)
+            Of the motors. No displacement: from entries of q to the targets.
         ends : (ndarray, ndarray), shapes (b, nq) and (b,)
             Where each ended, q and its share of the way; not before it is walked.
         most_tries : int
@@ -215,7 +215,7 @@ class KernelWalk:
         design : ndarray, shape (b, k), optional
             What the programs take of each path's own machine; None where they are of one machine.
         following : Following, optional
-        bounded : bool
+        only_inside : bool
             Whether nothing is done where a target is no number between the limits of the machine.
         """
         struct, count, (q, share) = self._struct, len(target), ends
@@ -223,14 +223,14 @@ class KernelWalk:
             self._make_room(count)
         target = np.ascontiguousarray(target)
         struct.target, struct.q, struct.share = address(target), address(q), address(share)
-        struct.count, struct.most_tries, struct.bounded = count, most_tries, bounded
+        struct.count, struct.most_tries, struct.only_inside = count, most_tries, only_inside
         if start is not self._common:
             start = self._take_start(start)
-        if way is None:
+        if displacement is None:
             struct.ways = struct.displacement = self._where_ways_are
         else:
-            way = np.ascontiguousarray(way)
-            struct.ways, struct.displacement = None, address(way)
+            displacement = np.ascontiguousarray(displacement)
+            struct.ways, struct.displacement = None, address(displacement)
         struct.designed = 0
         if design is not None:
             design = np.ascontiguousarray(design)
@@ -238,7 +238,7 @@ class KernelWalk:
         if following is not self._following:
             struct.follow, struct.given, _ = following or (None, None, None)
             self._following = following
-        return start, target, way, design, ends
+        return start, displacement, target, ends, design
 
     def _take_start(self, start: Array | CommonStart) -> Array | CommonStart:
         """Take where paths start; return what holds it."""

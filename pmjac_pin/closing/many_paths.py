@@ -47,7 +47,8 @@ class Paths(NamedTuple):
     all_arrived : bool
         Whether it is known that all are at their targets.
     are_refused : bool
-        Whether none has set out.
+        Whether a target is no number within limits, and so none has set out: q and share hold
+        nothing.
     """
 
     q: Array
@@ -55,6 +56,11 @@ class Paths(NamedTuple):
     settled: Mask
     all_arrived: bool = False
     are_refused: bool = False
+
+    @classmethod
+    def refused(cls, ends: tuple[Array, Array]) -> Paths:
+        """Return paths of which none has set out."""
+        return cls(*ends, np.zeros(len(ends[1]), dtype=bool), are_refused=True)
 
     def less(self, doubtful: Mask) -> Paths:
         """Return paths of which these are not settled where they end early."""

@@ -12,7 +12,7 @@ from pmjac_pin.errors import ArgumentError, unknown_name
 from pmjac_pin.model.coordinates import LIMIT_SLACK, JointCoordinates
 from pmjac_pin.model.spec import MechanismSpec
 from pmjac_pin.values.arrays import Array, Mask
-from pmjac_pin.values.checks import LARGEST, are_rows, as_numbers, real_numbers, within
+from pmjac_pin.values.checks import LARGEST, are_doubles, as_numbers, real_numbers, within
 from pmjac_pin.values.columns import check_stated_unit, columns_of, without_labels
 from pmjac_pin.values.named_values import named_values
 
@@ -87,7 +87,7 @@ class Motors:
         UnknownNameError, ArgumentError
             As `motor_values`; columns of unlike lengths, or that state another unit than m or rad.
         """
-        values = given if are_rows(given) else self._looked_at(given)
+        values = given if are_doubles(given) else self._looked_at(given)
         if values.ndim != 2 or values.shape[1] != len(self._names):
             wanted = f"(N, {len(self._names)}) for {', '.join(self._names)}"
             raise ArgumentError(f"motor values of shape {wanted} expected, got {values.shape}")

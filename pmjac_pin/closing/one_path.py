@@ -82,23 +82,23 @@ class OnePath:
         if not np.dot(scaled, scaled) <= self._farthest**2:
             return None
         try:
-            walk, start, ways, target, ends = self._threads.work
+            walk, start, displacement, target, ends = self._threads.work
         except AttributeError:
-            walk, start, ways, target, ends = self._threads.work = self._work()
-        start[0], ways[0], target[0] = q, way, values
+            walk, start, displacement, target, ends = self._threads.work = self._work()
+        start[0], displacement[0], target[0] = q, way, values
         more = walk.set_out(_STEPS_AT_ONCE)
-        while more:
+        while more > 0:
             more = walk.go_on(_STEPS_AT_ONCE)
         if walk.end[0] == SPENT:
             return None
-        (end, share), gap, iterations = ends, float(walk.gap[0]), int(walk.iterations[0])
-        return Ahead(end[0].copy(), gap, float(share[0]), iterations)
+        (reached, share), gap, iterations = ends, float(walk.gap[0]), int(walk.iterations[0])
+        return Ahead(reached[0].copy(), gap, float(share[0]), iterations)
 
     def _work(self) -> tuple[KernelWalk, Array, Array, Array, tuple[Array, Array]]:
-        """Return what walks one path, and the rows that it reads and fills."""
+        """Return what walks one path, and the arrays, of one row, that it reads and fills."""
         walk = KernelWalk(self._library, self._machine, self._tapes)
-        start, end = np.zeros((2, 1, self._tapes[0].outputs))
-        way, target = np.zeros((2, 1, self._scale.size))
-        ends = end, np.zeros(1)
-        walk.take(start, way, target, ends)
-        return walk, start, way, target, ends
+        start, reached = np.zeros((2, 1, self._tapes[0].outputs))
+        displacement, target = np.zeros((2, 1, self._scale.size))
+        ends = reached, np.zeros(1)
+        walk.take(start, displacement, target, ends)  # copies none of them: they are contiguous
+        return walk, start, displacement, target, ends

@@ -273,7 +273,7 @@ static int some_are_beyond(const Walk *walk)
 /* The same from where paths start; less than 0 where nothing is done. */
 int pmjac_set_out(Walk *walk, int64_t steps)
 {
-    if (walk->bounded && some_are_beyond(walk)) return -1;
+    if (walk->only_inside && some_are_beyond(walk)) return -1;
     if (walk->ways) set_ways(walk);
     begin(walk);
     return pmjac_walk(walk, steps);

@@ -80,7 +80,7 @@ class WalkStruct(ctypes.Structure):
         ),
         ("busy", COUNT),
         ("arrived", COUNT),
-        ("bounded", COUNT),
+        ("only_inside", COUNT),
         *((name, POINTER) for name in ("q", "gap", "share", "iterations", "end")),
         *((name, POINTER) for name in ("follow", "given")),
     )

@@ -93,7 +93,7 @@ class PathsInLanes:
         design: Array | None = None,
         ends: tuple[Array, Array] | None = None,
         following: Following | None = None,
-        bounded: bool = False,
+        only_inside: bool = False,
     ) -> Paths:
         """Walk from closed poses.
 
@@ -114,7 +114,7 @@ class PathsInLanes:
             Where q and share go, row by row.
         following : Following, optional
             What is done as soon as all have arrived, and not where some end elsewhere.
-        bounded : bool
+        only_inside : bool
             Whether all are refused where a target is no number between the limits.
         """
         if not len(q):
@@ -125,7 +125,7 @@ class PathsInLanes:
         start: Array | CommonStart = q
         if not q.strides[0]:
             start = self._common_at(q[0]) if design is None else CommonStart(q[0].tobytes(), 0.0)
-        _read = walk.take(
+        _kept = walk.take(  # until this returns: C reads and writes there
             start,
             displacement,
             target,
@@ -133,7 +133,7 @@ class PathsInLanes:
             most_tries=most_steps,
             design=design,
             following=following,
-            bounded=bounded,
+            only_inside=only_inside,
         )
         more = walk.set_out(_LANE_STEPS_AT_ONCE)
         go_on()
@@ -142,7 +142,7 @@ class PathsInLanes:
             go_on()
         if more < 0:
             self._walks.put_back(walk)
-            return Paths(*ends, np.zeros(len(q), dtype=bool), are_refused=True)
+            return Paths.refused(ends)
         if walk.all_arrived:
             self._walks.put_back(walk)
             return Paths(*ends, _all_of(len(q)), all_arrived=True)

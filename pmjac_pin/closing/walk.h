@@ -47,7 +47,7 @@ typedef struct {
     int64_t designed, apart, count, taken, most_tries, few, patience;
     int64_t busy; /* lanes up to the last one that has a path */
     int64_t arrived; /* paths at their targets */
-    int64_t bounded; /* whether nothing is done where a target is no number that all motors can reach */
+    int64_t only_inside; /* whether nothing is done where a target is no number that all motors can reach */
     double *q, *gap, *share;
     int64_t *iterations, *end;
     /* What is done with all q as soon as all have arrived; NULL: nothing. */

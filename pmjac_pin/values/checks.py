@@ -59,8 +59,8 @@ def real_numbers(given: object, what: str) -> Array:
     return raw.astype(np.float64)
 
 
-def are_rows(given: object) -> TypeGuard[Array]:
-    """Tell whether this is an array of doubles already, which needs no copy."""
+def are_doubles(given: object) -> TypeGuard[Array]:
+    """Tell whether this is an array of doubles already, where C can read them: it needs no copy."""
     return type(given) is np.ndarray and given.dtype == _DOUBLE and given.flags.aligned
 
 

@@ -19,11 +19,6 @@ class Spares(Generic[Work]):
     make : callable
         Makes another one.
 
-    Attributes
-    ----------
-    put_back : callable
-        Leaves one to others.
-
     Examples
     --------
     >>> spares = Spares(list)
@@ -33,11 +28,10 @@ class Spares(Generic[Work]):
     True
     """
 
-    __slots__ = ("_kept", "_make", "put_back")
+    __slots__ = ("_kept", "_make")
 
     def __init__(self, make: Callable[[], Work]) -> None:
         self._make, self._kept = make, deque[Work]()
-        self.put_back: Callable[[Work], None] = self._kept.append
 
     def take(self) -> Work:
         """Return one that nobody else has."""
@@ -45,3 +39,7 @@ class Spares(Generic[Work]):
             return self._kept.pop()
         except IndexError:
             return self._make()
+
+    def put_back(self, one: Work) -> None:
+        """Leave it to others."""
+        self._kept.append(one)
