@@ -286,16 +286,20 @@ def test_no_poses_at_all(name):
     assert many.measures(poses.q).velocity_radii.shape == (0, 3)
 
 
-def turning():
-    """A hinge without limits, (cos, sin) in q, that carries another: no loop sees its length."""
+def in_a_row(joint, limits):
+    """A joint that carries a hinge, entries of q within ± limits."""
     model = pin.Model()
-    one = model.addJoint(0, pin.JointModelRUBZ(), pin.SE3.Identity(), "turn")
+    one = model.addJoint(0, joint, pin.SE3.Identity(), "first")
     place = pin.SE3(np.eye(3), np.array([1.0, 0.0, 0.0]))
     two = model.addJoint(one, pin.JointModelRZ(), place, "hinge")
     model.addFrame(pin.Frame("tool", two, place, pin.FrameType.OP_FRAME))
-    model.lowerPositionLimit = np.full(model.nq, -10.0)
-    model.upperPositionLimit = np.full(model.nq, 10.0)
-    return pj.Mechanism.from_pinocchio(model, [], ["turn", "hinge"], "tool", name="turning")
+    model.lowerPositionLimit, model.upperPositionLimit = -limits, limits
+    return pj.Mechanism.from_pinocchio(model, [], ["first", "hinge"], "tool", name="in_a_row")
+
+
+def turning():
+    """A hinge without limits, (cos, sin) in q, that carries another: no loop sees its length."""
+    return in_a_row(pin.JointModelRUBZ(), np.full(3, 10.0))
 
 
 LONGER = np.array([2.0, 2.0, 1.0])

@@ -9,7 +9,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 from mechanisms import loaded
-from test_batch import targets, turning
+from test_batch import in_a_row, targets, turning
 
 import pmjac_pin as pj
 from pmjac_pin.batches.few_poses import FewPoses
@@ -18,18 +18,6 @@ from pmjac_pin.closing import paths_in_lanes
 from pmjac_pin.model.coordinates import LIMIT_SLACK
 
 NARROW, WIDE = 0.5, 1.5  # rad
-
-
-def unlike():
-    """Two hinges in a row whose limits are unlike."""
-    model = pin.Model()
-    one = model.addJoint(0, pin.JointModelRZ(), pin.SE3.Identity(), "narrow")
-    place = pin.SE3(np.eye(3), np.array([1.0, 0.0, 0.0]))
-    two = model.addJoint(one, pin.JointModelRZ(), place, "wide")
-    model.addFrame(pin.Frame("tool", two, place, pin.FrameType.OP_FRAME))
-    model.lowerPositionLimit = np.array([-NARROW, -WIDE])
-    model.upperPositionLimit = np.array([NARROW, WIDE])
-    return pj.Mechanism.from_pinocchio(model, [], ["narrow", "wide"], "tool", name="unlike")
 
 
 def without_kernel(mechanism):
@@ -42,7 +30,7 @@ def without_kernel(mechanism):
 @pytest.mark.parametrize("sign", [-1.0, 1.0])
 def test_each_motor_has_limits_of_its_own(kind, sign):
     """Whichever row is beyond, at a limit or one of rounding beyond what is taken for it."""
-    many = kind(unlike())
+    many = kind(in_a_row(pin.JointModelRZ(), np.array([NARROW, WIDE])))
     between = 0.5 * (NARROW + WIDE)
     for row, (values, status) in enumerate(
         [

@@ -32,7 +32,7 @@ from pmjac_pin.batches.results import (
     Statuses,
     say_nothing,
 )
-from pmjac_pin.batches.sound_rows import SoundRows
+from pmjac_pin.batches.sound_rows import SoundRows, rows_of_q
 from pmjac_pin.closing.kernel_walk import Following
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import ArgumentError, quoted
@@ -259,7 +259,7 @@ class Batch:
         threads, progress, out
             As for `close`.
         """
-        name, poses = frame_name(frame), self._starts.rows(q)
+        name, poses = frame_name(frame), rows_of_q(q, self.mechanism.nq)
         work, how = self._at_poses.jacobian(name), (threads, progress)
         return self._gathered(ManyJacobians, work, poses, how, out)
 
@@ -288,7 +288,7 @@ class Batch:
         >>> bool(abs(found.velocity_radii[0] - of_one).max() < 1e-12)
         True
         """
-        poses, work = self._starts.rows(q), self._at_poses.ellipsoids()
+        poses, work = rows_of_q(q, self.mechanism.nq), self._at_poses.ellipsoids()
         return self._gathered(ManyEllipsoids, work, poses, (threads, progress), out)
 
     def measures(
@@ -315,7 +315,7 @@ class Batch:
         >>> bool(abs(found.smallest[0] - home.singularity().smallest) < 1e-12)
         True
         """
-        poses, work = self._starts.rows(q), self._at_poses.measures()
+        poses, work = rows_of_q(q, self.mechanism.nq), self._at_poses.measures()
         return self._gathered(ManyMeasures, work, poses, (threads, progress), out)
 
     def ellipsoids_at(

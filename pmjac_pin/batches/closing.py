@@ -193,15 +193,17 @@ class Closing:
                 following=following,
                 only_inside=only_inside and kernel_looks,
             )
-        if paths.all_arrived or paths.are_refused:
-            return paths
-        left = np.flatnonzero(share != 1.0)  # the others were within so many steps
-        partition = self.mechanism.problem.partition
-        # Where a path is too long for any number of steps, single calls say so without a step.
-        lengths = motors.ways(start[left], values[left]) / partition.motor_scale
-        far = np.linalg.norm(lengths, axis=1)
-        paths.settled[left] &= far <= MOST_STEPS * LARGEST_STEP * partition.length
+        if not (paths.all_arrived or paths.are_refused):
+            self._leave_too_long(start, values, paths)
         return paths
+
+    def _leave_too_long(self, start: Array, values: Array, paths: Paths) -> None:
+        """Settle no path that is too long for any number of steps: single calls take none."""
+        left = np.flatnonzero(paths.share != 1.0)  # the others were within so many steps
+        partition = self.mechanism.problem.partition
+        ways = self.mechanism.motors.ways(start[left], values[left]) / partition.motor_scale
+        farthest = MOST_STEPS * LARGEST_STEP * partition.length
+        paths.settled[left] &= np.linalg.norm(ways, axis=1) <= farthest
 
     def _ways(self, start: Array, values: Array) -> Array:
         return self.mechanism.motors.ways(start if start.strides[0] else start[0], values)

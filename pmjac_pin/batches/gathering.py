@@ -17,7 +17,7 @@ from pmjac_pin.batches.pieces import (
     interrupted,
     thread_count,
 )
-from pmjac_pin.batches.result_shapes import ResultShapes, maker_of
+from pmjac_pin.batches.result_shapes import ResultShapes, empty_arrays
 from pmjac_pin.batches.turn import RefillTurn
 from pmjac_pin.values.arrays import Array, sealed
 from pmjac_pin.values.checks import check_callable
@@ -114,10 +114,8 @@ def _new(wanted: Sequence[Wanted[Any]], turn: RefillTurn) -> _Taken:
     results: list[Refillable] = []
     found: list[NDArray[Any]] = []
     for kind, shapes, more in wanted:
-        empty, arrays, known = maker_of(shapes), {}, {}
-        for name, shape, dtype in shapes.kinds:
-            arrays[name] = array = empty(shape, dtype)
-            known[name] = sealed(array)
+        arrays = empty_arrays(shapes)
+        known = {name: sealed(array) for name, array in arrays.items()}
         found += arrays.values()
         known.update(more)
         results.append(showing(kind, known, Shown(arrays, shapes, turn)))

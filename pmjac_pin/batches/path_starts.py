@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 
+from pmjac_pin.batches.sound_rows import rows_of_q
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import ArgumentError
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.values.arrays import Array
-from pmjac_pin.values.checks import are_doubles, real_numbers
 
 
 class PathStarts:
@@ -42,7 +42,7 @@ class PathStarts:
                 rows = np.broadcast_to(q, (count, q.size))
                 self._last = pose, rows  # not read again: threads may ask at the same time
             return rows, True
-        rows = self.rows(pose)
+        rows = rows_of_q(pose, self._mechanism.nq)
         if len(rows) != count:
             raise ArgumentError(f"{count} guesses expected, one for each target; got {len(rows)}")
         return rows, False
@@ -51,11 +51,3 @@ class PathStarts:
         """Return its q; of another mechanism, seen to be closed in this one."""
         own = pose.mechanism is self._mechanism
         return pose.q if own else self._mechanism.configuration(pose.q).q
-
-    def rows(self, q: Any) -> Array:
-        """Return q as rows, whose numbers are looked at piece by piece."""
-        given = q if are_doubles(q) else real_numbers(q, "q")
-        if given.ndim != 2 or given.shape[1] != self._mechanism.nq:
-            wanted = f"(N, {self._mechanism.nq})"
-            raise ArgumentError(f"q of shape {wanted} expected, got {given.shape}")
-        return given

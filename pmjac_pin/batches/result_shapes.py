@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import fields
 from functools import lru_cache
 from typing import Any
@@ -56,12 +56,7 @@ def shapes_of(kind: type, count: int, motors: int, nq: int = 0) -> ResultShapes:
     )
 
 
-def maker_of(shapes: ResultShapes) -> Callable[[tuple[int, ...], np.dtype[Any]], NDArray[Any]]:
-    """Return what makes one of such arrays: where they are large, in memory others have left."""
-    return np.empty if 8 * shapes.numbers < LARGE else in_memory_left
-
-
 def empty_arrays(shapes: ResultShapes) -> dict[str, NDArray[Any]]:
     """Return arrays of results that are to be filled."""
-    empty = maker_of(shapes)
+    empty = np.empty if 8 * shapes.numbers < LARGE else in_memory_left
     return {name: empty(shape, kind) for name, shape, kind in shapes.kinds}

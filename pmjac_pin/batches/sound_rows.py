@@ -8,14 +8,30 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
 from pmjac_pin.batches.results import Status, Statuses
+from pmjac_pin.errors import ArgumentError
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.unit_turns import UnitRows
 from pmjac_pin.values.arrays import Array, Mask
-from pmjac_pin.values.checks import LARGEST, within
+from pmjac_pin.values.checks import LARGEST, are_doubles, real_numbers, within
+
+
+def rows_of_q(given: Any, nq: int) -> Array:
+    """Return q as rows (N, nq); what numbers they hold is looked at piece by piece.
+
+    Raises
+    ------
+    ArgumentError
+        Another shape, or no real numbers.
+    """
+    rows = given if are_doubles(given) else real_numbers(given, "q")
+    if rows.ndim != 2 or rows.shape[1] != nq:
+        raise ArgumentError(f"q of shape (N, {nq}) expected, got {rows.shape}")
+    return rows
 
 
 class SoundRows:

@@ -64,8 +64,7 @@ class KernelMachine:
     ) -> None:
         partition = problem.partition
         length, motors = partition.length, partition.actuated
-        entries = [coordinates.entry(column) for column in motors.tolist()]
-        self._entries = np.array(entries, dtype=np.int32)
+        self._entries = np.array([coordinates.entry(k) for k in motors.tolist()], dtype=np.int32)
         self._scale = np.ascontiguousarray(partition.column_scale)
         self._circles = coordinates.wraps[motors].astype(np.int32)
         self.struct = MachineStruct(

@@ -147,13 +147,12 @@ class PathsInLanes:
             self._walks.put_back(walk)
             return Paths(*ends, _all_of(len(q)), all_arrived=True)
         end = walk.end[: len(q)].copy()
-        if displacement is None:
-            displacement = walk.ways[: len(q)].copy()
+        ways = walk.ways[: len(q)].copy() if displacement is None else displacement
         self._walks.put_back(walk)
-        ended = Paths(*ends, end != SPENT)
+        ended, doubtful = Paths(*ends, end != SPENT), end == DOUBTFUL
         if design is not None:
-            return ended.less(end == DOUBTFUL)
-        return judged(self._problem, ended, displacement, end == DOUBTFUL)
+            return ended.less(doubtful)
+        return judged(self._problem, ended, ways, doubtful)
 
     def _another_walk(self) -> KernelWalk:
         return KernelWalk(
