@@ -158,7 +158,7 @@ def test_a_signal(threads):
 def test_nobody_waits_for_a_piece_that_takes_long(threads):
     begun, stop = threading.Event(), threading.Event()
 
-    def work(piece, J_eq, status):
+    def work(piece, given, J_eq, status):
         begun.set()
         while not stop.wait(0.01):
             piece.go_on()
@@ -181,7 +181,7 @@ def test_what_is_raised_is_of_the_first_piece_that_fails(later):
     failed, count = threading.Event(), 5 * PIECE
     fails = pieces_of(count)[later].start
 
-    def work(piece, J_eq, status):
+    def work(piece, given, J_eq, status):
         J_eq[:], status[:] = piece.at.start, 0
         if piece.at.start == fails:
             failed.set()
@@ -198,7 +198,7 @@ def test_what_is_raised_is_of_the_first_piece_that_fails(later):
 def test_progress_tells_of_all_in_the_end(threads):
     count, told = 3 * PIECE + 1, []
 
-    def work(piece, J_eq, status):
+    def work(piece, given, J_eq, status):
         J_eq[:], status[:] = piece.at.start, 0
 
     found = gathered(wanted(count), work, (threads, lambda *given: told.append(given)))
@@ -252,7 +252,7 @@ def test_a_second_interrupt_waits_for_what_is_still_written():
     count, caller = 3 * PIECE, threading.get_ident()
     begun, end = threading.Event(), threading.Event()
 
-    def work(piece, J_eq, status):
+    def work(piece, given, J_eq, status):
         if threading.get_ident() == caller:
             assert begun.wait(30.0)
             for after in (0.1, 0.4):
@@ -316,7 +316,7 @@ def test_where_no_thread_can_begin_the_caller_does_all(monkeypatch):
 
         monkeypatch.setattr(pieces, "start_new_thread", some)
 
-        def work(piece, J_eq, status):
+        def work(piece, given, J_eq, status):
             J_eq[:], status[:] = 1.0, 0
 
         assert (gathered(wanted(count), work, (4, None)).J_eq == 1.0).all()

@@ -2,47 +2,107 @@
 
 from __future__ import annotations
 
+import pickle
 import sys
 
 import numpy as np
 import pytest
 from mechanisms import loaded
+from test_batch import targets
 
 import pmjac_pin as pj
 from pmjac_pin.batches.few_poses import FewPoses
-from pmjac_pin.batches.path_starts import PathStarts
+
+KINDS = [pj.batch, FewPoses]
 
 
-@pytest.mark.parametrize("count", [0, 1, 5, 7])
-def test_what_another_thread_asks_between_two_steps_changes_nothing(count):
-    mechanism = loaded("three_rps")
-    starts, other = PathStarts(mechanism), mechanism.pose("lecture_b")
-    asked = 0
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("call", ["close", "ellipsoids_at"])
+def test_what_another_thread_asks_between_two_steps_changes_nothing(kind, call, rng):
+    """Of another start, as many poses or not, within limits or not: what was asked is kept."""
+    many = kind(loaded("three_rps"))
+    values, of = targets(many.mechanism, 5, 0.02, rng), getattr(many, call)
+    other, asked = many.mechanism.pose("lecture_b"), 0
+    others = [(values, other, True), (values[:3], "home", True), (values, "home", False)]
 
     def ask(frame, event, argument):
         nonlocal asked
-        if frame.f_code is not PathStarts.of.__code__:
+        if frame.f_code is not pj.Batch._asked_of.__code__:
             return None
         sys.settrace(None)
-        starts.of(other, count)
+        given, guess, limits = others[asked % len(others)]
+        of(given, guess, enforce_limits=limits)
         asked += 1
         sys.settrace(ask)
         return ask
 
-    before = sys.gettrace()
+    expected, before = arrays(of(values)), sys.gettrace()
     for _ in range(3):
         sys.settrace(ask)
         try:
-            rows, known = starts.of("home", 5)
+            found = of(values)
         finally:
             sys.settrace(before)
-        assert known
-        np.testing.assert_array_equal(rows, np.tile(mechanism.home.q, (5, 1)))
+        compare(arrays(found), expected)
     assert asked > 10
 
 
-@pytest.mark.parametrize("kind", [pj.batch, FewPoses])
+def compare(found, expected):
+    """To rounding: single calls are made by programs where there have been some."""
+    for one, same in zip(found, expected, strict=True):
+        np.testing.assert_allclose(one, same, rtol=1e-9, atol=1e-12)
+
+
+def arrays(found):
+    """Those of one result, or of both."""
+    results = found if isinstance(found, tuple) else (found,)
+    return [array for one in results for array in vars(one).values() if hasattr(array, "shape")]
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_what_was_asked_before_changes_nothing(kind, rng):
+    """Another start, count, limits or kind of result, in turn; by name, and poses as such."""
+    mechanism = loaded("three_rps")
+    many, values = kind(mechanism), targets(mechanism, 6, 0.02, rng)
+    values[1] += 10.0
+    home, other = mechanism.home, mechanism.pose("lecture_b")
+    for guess in ("home", "lecture_b", home, other, "home", np.tile(home.q, (6, 1))):
+        for limits in (True, False, "all", True):
+            for count in (6, 3):
+                starts = guess if isinstance(guess, str | pj.Configuration) else guess[:count]
+                given = values[:count], starts
+                for call in ("close", "ellipsoids_at", "measures_at"):
+                    found = getattr(many, call)(*given, enforce_limits=limits)
+                    alone = getattr(kind(mechanism), call)(*given, enforce_limits=limits)
+                    compare(arrays(found), arrays(alone))
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_guess_that_has_been_written_to_is_another_one(kind, rng):
+    mechanism = loaded("four_bar")
+    many, values = kind(mechanism), targets(mechanism, 4, 0.1, rng)
+    guess = np.tile(mechanism.home.q, (4, 1))
+    first = many.ellipsoids_at(values, guess)[0]
+    guess[2, 0] += 0.5  # open
+    assert (first.status == pj.Status.CLOSED).all()
+    again = many.ellipsoids_at(values, guess)[0]
+    np.testing.assert_array_equal(again.status == pj.Status.OPEN, np.arange(4) == 2)
+
+
+@pytest.mark.parametrize("kind", KINDS)
 def test_what_is_no_guess_is_refused_of_no_targets_too(kind):
     many = kind(loaded("four_bar"))
     with pytest.raises(pj.ArgumentError, match="q must be"):
         many.close(np.empty((0, 1)), guess=None)
+
+
+def test_few_poses_survive_pickling_whatever_was_asked_of_them(rng):
+    few = FewPoses(loaded("four_bar"))
+    values = targets(few.mechanism, 3, 0.1, rng)
+    expected, measures = few.measures_at(values)
+    few.close(values)
+    few.ellipsoids_at(values)
+    again = pickle.loads(pickle.dumps(few))
+    poses, found = again.measures_at(values)
+    np.testing.assert_array_equal(poses.q, expected.q)
+    np.testing.assert_array_equal(found.smallest, measures.smallest)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import pickle
 import warnings
 
 import numpy as np
@@ -106,11 +105,3 @@ def test_who_is_refused_leaves_the_memory_to_others(monkeypatch, rng):
     for _ in range(5):
         many.close(values, threads=1)
     assert len(made) == 1
-
-
-def test_few_poses_survive_pickling_whatever_was_asked_of_them(rng):
-    few = FewPoses(loaded("four_bar"))
-    values = targets(few.mechanism, 3, 0.1, rng)
-    expected = few.close(values)
-    again = pickle.loads(pickle.dumps(few))
-    np.testing.assert_array_equal(again.close(values).q, expected.q)

@@ -5,8 +5,8 @@ What a program certifies is what the single call says; where it cannot, the sing
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from functools import cached_property, partial
+from collections.abc import Callable, Mapping
+from functools import cached_property
 from typing import Any, TypeVar
 
 import numpy as np
@@ -14,12 +14,15 @@ import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from pmjac_pin.algebra.tape_runner import tape_kernel
+from pmjac_pin.batches.asked import Asked
+from pmjac_pin.batches.at_ends import at_ends
 from pmjac_pin.batches.at_poses import AtPoses, RatesWork
 from pmjac_pin.batches.closing import Closing
-from pmjac_pin.batches.ellipsoids_work import EllipsoidsWork
+from pmjac_pin.batches.filled_again import Refillable
 from pmjac_pin.batches.gathering import Manner, Results, Wanted, gathered, gathered_together
 from pmjac_pin.batches.grid import Grid
-from pmjac_pin.batches.path_starts import PathStarts
+from pmjac_pin.batches.path_starts import closed_q, path_starts
+from pmjac_pin.batches.paths_work import PathsFromEach, PathsFromOne, PathsWork
 from pmjac_pin.batches.pieces import Piece, PieceWork, Progress
 from pmjac_pin.batches.result_shapes import shapes_of
 from pmjac_pin.batches.results import (
@@ -28,12 +31,8 @@ from pmjac_pin.batches.results import (
     ManyInGrid,
     ManyJacobians,
     ManyMeasures,
-    Status,
-    Statuses,
-    say_nothing,
 )
 from pmjac_pin.batches.sound_rows import SoundRows, rows_of_q
-from pmjac_pin.closing.kernel_walk import Following
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import ArgumentError, quoted
 from pmjac_pin.mechanism import Mechanism
@@ -90,8 +89,7 @@ class Batch:
         self.mechanism = mechanism
         # Home is there before programs of many poses are: the next single pose after these has its
         # own recorded.
-        self._starts = PathStarts(mechanism)
-        self._starts.of(mechanism.home, 1)
+        _ = mechanism.home
         programs = None
         if compiled:
             # Who asks for no compiler waits for none of what calls it.
@@ -142,9 +140,9 @@ class Batch:
             shapes, or whose arrays are not to be written to, or are what is read. Of single values
             and guesses the status tells.
         """
-        count, work, given = self._paths(actuated, guess, enforce_limits)
-        wanted = self._wanted(ManyClosed, count)
-        return gathered(wanted, work, (threads, progress), out, given)
+        asked, given = self._asked_of(ManyClosed, None, actuated, guess, enforce_limits)
+        poses: ManyClosed = gathered(asked.wanted[0], asked.work, (threads, progress), out, given)
+        return poses
 
     def grid(
         self,
@@ -188,7 +186,7 @@ class Batch:
             over, self.mechanism.problem.partition, self.mechanism.coordinates, begin.actuated
         )
         check_callable(progress, "progress")
-        whose, home = enforced(enforce_limits), self._starts.closed_q(begin)
+        whose, home = enforced(enforce_limits), closed_q(self.mechanism, begin)
 
         def close(which: Index, start: Array | None, most_steps: int | None) -> ManyClosed:
             targets = grid.cells[which]
@@ -207,39 +205,11 @@ class Batch:
     ) -> ManyClosed:
         """Close from closed q (N, nq), NOT_DONE where it takes more steps."""
 
-        def work(piece: Piece, *found: Any) -> None:
-            paths = piece.part(start), piece.part(targets)
+        def work(piece: Piece, paths: tuple[Array, Array], *found: Any) -> None:
             self._closing.close(piece, paths, whose, found, most_steps=most_steps)
 
         wanted = self._wanted(ManyClosed, len(start))
-        return gathered(wanted, work, (threads, None))
-
-    def _paths(
-        self, actuated: ArrayLike, guess: Any, enforce_limits: bool | str
-    ) -> tuple[int, PieceWork, tuple[Array, ...]]:
-        """Return how many paths there are, what closes a piece of them, and what that reads."""
-        values = self.mechanism.motors.table(actuated)
-        whose, (start, known) = enforced(enforce_limits), self._starts.of(guess, len(values))
-        closing, inside = self._closing, "none" if whose == "motors" else whose
-        is_open = None if known else closing.is_open
-
-        def work(piece: Piece, *found: Any, following: Following | None = None) -> bool:
-            """Tell whether of some paths nothing is known; where that is so, nothing follows."""
-            begin, targets = piece.part(start), piece.part(values)
-            if known and closing.close(
-                piece, (begin, targets), inside, found, following=following, only_inside=True
-            ):
-                return False
-            begin, targets, why = self._sound.of_paths(begin, targets, is_open)
-            if why is None:
-                closing.close(piece, (begin, targets), whose, found, following=following)
-                return False
-            closing.close(piece, (begin, targets), whose, found)
-            none = why != Status.CLOSED
-            say_nothing(found, none, why[none])
-            return True
-
-        return len(values), work, (values,) if known else (start, values)
+        return gathered(wanted, work, (threads, None), None, (start, targets))
 
     def jacobian(
         self,
@@ -352,8 +322,11 @@ class Batch:
         >>> bool((found.velocity_radii == many.ellipsoids(poses.q).velocity_radii).all())
         True
         """
-        paths, how = self._paths(actuated, guess, enforce_limits), (threads, progress)
-        return self._gathered_at(ManyEllipsoids, self._at_poses.ellipsoids(), paths, how, out)
+        find = self._at_poses.ellipsoids
+        asked, given = self._asked_of(ManyEllipsoids, find, actuated, guess, enforce_limits)
+        both: tuple[ManyClosed, ManyEllipsoids]
+        both = self._gathered_at(asked, (threads, progress), out, given)
+        return both
 
     def measures_at(
         self,
@@ -387,8 +360,11 @@ class Batch:
         >>> bool((found.smallest == many.measures(poses.q).smallest).all())
         True
         """
-        paths, how = self._paths(actuated, guess, enforce_limits), (threads, progress)
-        return self._gathered_at(ManyMeasures, self._at_poses.measures(), paths, how, out)
+        find = self._at_poses.measures
+        asked, given = self._asked_of(ManyMeasures, find, actuated, guess, enforce_limits)
+        both: tuple[ManyClosed, ManyMeasures]
+        both = self._gathered_at(asked, (threads, progress), out, given)
+        return both
 
     def _gathered(
         self,
@@ -399,48 +375,69 @@ class Batch:
         out: ManyRatesKind | None,
     ) -> ManyRatesKind:
         """Return what is found at the poses that are given."""
-        sound = self._where_sound(work)
+        sound = self._sound.before(work)
 
-        def of_piece(piece: Piece, *found: Any) -> None:
-            sound(piece, piece.part(poses), *found)
+        def of_piece(piece: Piece, given: tuple[Array], *found: Any) -> None:
+            sound(piece, *given, *found)
 
         wanted = self._wanted(kind, len(poses))
         return gathered(wanted, of_piece, how, out, (poses,))
 
-    def _where_sound(self, work: RatesWork) -> RatesWork:
-        """Return the same for rows of which some may be no q."""
-
-        def sound(piece: Piece, q: Array, *found: Any) -> None:
-            rows, bad = self._sound.of_poses(q)
-            work(piece, rows, *found)
-            if bad is not None:
-                say_nothing(found, bad, Status.INVALID)
-
-        return sound
-
     def _gathered_at(
         self,
-        kind: type[ManyRatesKind],
-        work: RatesWork,
-        paths: tuple[int, PieceWork, tuple[Array, ...]],
+        asked: Asked,
         how: Manner,
-        out: tuple[ManyClosed, ManyRatesKind] | None,
-    ) -> tuple[ManyClosed, ManyRatesKind]:
+        out: tuple[Any, ...] | None,
+        given: tuple[Array, ...],
+    ) -> Any:
         """Return closed poses, and what is found there while they are at hand."""
         if not (out is None or (isinstance(out, tuple) and len(out) == 2)):
-            pair = f"(ManyClosed, {kind.__name__})"
+            pair = f"({', '.join(wanted.kind.__name__ for wanted in asked.wanted)})"
             raise ArgumentError(f"`out` is {pair} to be filled again, got {quoted(out)}")
-        count, close, given = paths
+        return gathered_together(asked.wanted, asked.work, how, out, given)
 
-        def closed(piece: Piece, q: Array, share: Array, status: Statuses, *found: Any) -> None:
-            rates, following = work, None
-            if isinstance(work, EllipsoidsWork) and (begun := work.begun(*found)) is not None:
-                rates, following = partial(work.end, begun), begun.following
-            some_unknown = close(piece, q, share, status, following=following)
-            (self._where_sound(rates) if some_unknown else rates)(piece, q, *found)
+    def _asked_of(
+        self,
+        kind: type[Refillable],
+        find: Callable[[], RatesWork] | None,
+        actuated: ArrayLike,
+        guess: Any,
+        enforce_limits: bool | str,
+    ) -> tuple[Asked, tuple[Array, ...]]:
+        """Return what is asked of paths to motor values, and the arrays that this reads.
 
-        wanted = self._wanted(ManyClosed, count), self._wanted(kind, count)
-        return gathered_together(wanted, closed, how, out, given)
+        What was asked last is known again where all paths begin at one pose.
+
+        Parameters
+        ----------
+        kind : type
+            `ManyClosed`, or what is found where paths end.
+        find : callable, optional
+            Returns what finds that.
+        actuated, guess, enforce_limits
+            As for `close`.
+        """
+        values = self.mechanism.motors.table(actuated)
+        last: Asked | None = self._last_asked.get(kind)
+        if last is not None and last.is_again(guess, enforce_limits, len(values)):
+            return last, (values,)
+        (paths, given), count = self._paths(values, guess, enforced(enforce_limits)), len(values)
+        wanted: tuple[Wanted[Any], ...] = (self._wanted(ManyClosed, count),)
+        work: PieceWork = paths
+        if find is not None:
+            wanted += (self._wanted(kind, count),)
+            work = at_ends(paths, find(), self._sound)
+        asked = Asked(guess, enforce_limits, count, wanted, work)
+        if isinstance(paths, PathsFromOne):  # other guesses may hold something else next time
+            self._last_asked[kind] = asked
+        return asked, given
+
+    def _paths(self, values: Array, guess: Any, whose: str) -> tuple[PathsWork, tuple[Array, ...]]:
+        """Return what closes paths to motor values (N, n), and the arrays that it reads."""
+        start = path_starts(self.mechanism, guess, len(values))
+        if start.ndim == 1:
+            return PathsFromOne.of(self._closing, self._sound, whose, start), (values,)
+        return PathsFromEach(self._closing, self._sound, whose), (start, values)
 
     def _wanted(self, kind: type[Results], count: int) -> Wanted[Results]:
         """Say which results are wanted of so many poses; the last of each kind are known again."""
@@ -455,4 +452,8 @@ class Batch:
 
     @cached_property
     def _last_wanted(self) -> dict[type, Wanted[Any]]:
+        return {}
+
+    @cached_property
+    def _last_asked(self) -> dict[type, Asked]:
         return {}

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
 from pmjac_pin.batches.one_by_one import close_one
 from pmjac_pin.batches.pieces import Piece
 from pmjac_pin.batches.results import CLOSED, Status, Statuses
-from pmjac_pin.closing.kernel_walk import Following
+from pmjac_pin.closing.kernel_walk import CommonStart, Following
 from pmjac_pin.closing.many_idle_paths import ManyIdlePaths
 from pmjac_pin.closing.many_paths import GoOn, Paths, Walker
 from pmjac_pin.closing.path_kernel import many_paths_kernel
@@ -23,6 +23,9 @@ from pmjac_pin.values.arrays import Array, Mask
 
 if TYPE_CHECKING:
     from pmjac_pin.algebra.compiled_programs import CompiledPrograms
+
+#: Where q, share and status of paths go.
+Found: TypeAlias = tuple[Array, Array, Statuses]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -87,68 +90,92 @@ class Closing:
             return True
         return False
 
+    def common_start(self, q: Array) -> CommonStart | None:
+        """Return what a kernel knows of one pose (nq,) where paths start.
+
+        None where none finds by itself how far motors go, as it does where these are entries of q.
+        """
+        if self.lanes is None or self.idle is not None or not self.mechanism.motors.are_entries:
+            return None
+        return self.lanes.common_start(q)
+
     def close(
         self,
         piece: Piece,
         paths: tuple[Array, Array],
         whose: str,
-        found: tuple[Array, Array, Statuses],
+        found: Found,
         *,
         most_steps: int | None = None,
-        following: Following | None = None,
-        only_inside: bool = False,
-    ) -> bool:
+    ) -> None:
         """Find q, share and status of one piece, of paths from closed q to motor values.
 
-        With so few steps, what is not certain by them has the status NOT_DONE. What follows is done
-        only where a kernel has walked, and all have arrived.
+        With so few steps, what is not certain by them has the status NOT_DONE.
+        """
+        q, share, status = found
+        ended = self.together(*paths, (q, share), go_on=piece.go_on, most_steps=most_steps)
+        status.fill(CLOSED)
+        self._settle(piece, paths, ended, found, most_steps)
+        if whose != "none":
+            self._keep_to_limits(whose, paths[1], found)
+
+    def close_inside(
+        self,
+        piece: Piece,
+        start: CommonStart,
+        values: Array,
+        whose: str,
+        found: Found,
+        *,
+        following: Following | None = None,
+    ) -> bool:
+        """Do so by a kernel, of paths from one closed q; what follows, where all arrive.
 
         Returns
         -------
         bool
-            False, and nothing is done, where it is to be `only_inside` and not all targets are
-            (`Motors.are_inside`).
+            False, and nothing is done, where a target is no number within the motors' limits.
         """
-        (start, values), (q, share, status) = paths, found
-        walked = self.together(
-            start,
-            values,
-            (q, share),
-            go_on=piece.go_on,
-            most_steps=most_steps,
-            following=following,
-            only_inside=only_inside,
-        )
-        if walked.are_refused:
+        lanes, (q, share, status), values = self.lanes, found, np.ascontiguousarray(values)
+        if lanes is None:
+            raise RuntimeError("without a kernel no paths have a common start")
+        walk = lanes.set_out(start, values, (q, share), following)
+        if walk is None:
             return False
+        ended = lanes.ended(walk, piece.go_on, (q, share))
         status.fill(CLOSED)
-        if not (walked.all_arrived or (share == 1.0).all()):
-            self._settle(piece, paths, walked.settled, found, most_steps)
+        if ended is not None:
+            rows = np.broadcast_to(np.frombuffer(start.q), q.shape)
+            self._less_too_long(rows, values, ended)
+            self._settle(piece, (rows, values), ended, found)
         if whose != "none":
-            self._keep_to_limits(whose, values, q, status)
+            self._keep_to_limits(whose, values, found)
         return True
 
     def _settle(
         self,
         piece: Piece,
         paths: tuple[Array, Array],
-        settled: Mask,
-        found: tuple[Array, Array, Statuses],
-        most_steps: int | None,
+        ended: Paths,
+        found: Found,
+        most_steps: int | None = None,
     ) -> None:
         """Walk one by one what is not settled, and say what has stopped."""
         (start, values), (q, share, status) = paths, found
+        if (share == 1.0).all():
+            return
         # Another branch may have more rank than home's, of which the program knows nothing.
         full = self.mechanism.problem.partition.full
-        settled &= (share == 1.0) | (full & (share > 0.0))
+        settled = ended.settled & ((share == 1.0) | (full & (share > 0.0)))
         for index in piece.each(~settled) if most_steps is None else ():
             q[index], share[index] = close_one(self.mechanism, start[index], values[index])
         status[share != 1.0] = Status.STOPPED
         if most_steps is not None:
             status[~settled] = Status.NOT_DONE
 
-    def _keep_to_limits(self, whose: str, values: Array, q: Array, status: Statuses) -> None:
+    def _keep_to_limits(self, whose: str, values: Array, found: Found) -> None:
         """Say of which poses some are beyond."""
+        q, _, status = found
         if (beyond := self.mechanism.motors.beyond(values)) is not None:
             status[beyond] = Status.LIMITS
         if whose == "all":
@@ -163,41 +190,18 @@ class Closing:
         *,
         go_on: GoOn = lambda: None,
         most_steps: int | None = None,
-        following: Following | None = None,
-        only_inside: bool = False,
     ) -> Paths:
         """Walk all paths by the program, which says which are settled; find q and share."""
-        (q, share), motors = ends, self.mechanism.motors
-        most = most_steps or MOST_STEPS
-        lanes = self.lanes if self.idle is None else None
-        # Ways are not made of values that nobody has looked at: then the kernel need not look.
-        kernel_looks = lanes is not None and motors.are_entries
-        if only_inside and not kernel_looks and not motors.are_inside(values):
-            return Paths.refused(ends)
+        q, share = ends
         # Where some motors lead and others are led, single calls know the way.
         if self.walker is None or self.some_are_led:
             q[:], share[:] = start, 0.0
             return Paths(q, share, np.zeros(len(values), dtype=bool))
-        if lanes is None:
-            paths = self._walked(self.lanes or self.walker, (start, values), ends, go_on, most)
-        else:
-            # It finds by itself how far motors go that are entries of q.
-            ways = None if motors.are_entries else self._ways(start, values)
-            paths = lanes.walk(
-                start,
-                ways,
-                values,
-                go_on,
-                most,
-                ends=ends,
-                following=following,
-                only_inside=only_inside and kernel_looks,
-            )
-        if not (paths.all_arrived or paths.are_refused):
-            self._leave_too_long(start, values, paths)
+        paths = self._walked(self.walker, (start, values), ends, go_on, most_steps or MOST_STEPS)
+        self._less_too_long(start, values, paths)
         return paths
 
-    def _leave_too_long(self, start: Array, values: Array, paths: Paths) -> None:
+    def _less_too_long(self, start: Array, values: Array, paths: Paths) -> None:
         """Settle no path that is too long for any number of steps: single calls take none."""
         left = np.flatnonzero(paths.share != 1.0)  # the others were within so many steps
         partition = self.mechanism.problem.partition
@@ -205,20 +209,20 @@ class Closing:
         farthest = MOST_STEPS * LARGEST_STEP * partition.length
         paths.settled[left] &= np.linalg.norm(ways, axis=1) <= farthest
 
-    def _ways(self, start: Array, values: Array) -> Array:
-        return self.mechanism.motors.ways(start if start.strides[0] else start[0], values)
-
     def _walked(
         self,
-        walker: Walker | PathsInLanes,
+        by_numpy: Walker,
         paths: tuple[Array, Array],
         ends: tuple[Array, Array],
         go_on: GoOn,
         most_steps: int,
     ) -> Paths:
-        """Walk paths of which it is known how far the motors go, of what idles or not."""
-        start, values = paths
-        ways = self._ways(start, values)
+        """Walk paths, of what idles or not."""
+        (start, values), lanes = paths, self.lanes
+        if lanes is not None and self.idle is None and self.mechanism.motors.are_entries:
+            # It finds by itself how far they go.
+            return lanes.walk(start, None, values, go_on, most_steps, ends=ends)
+        walker, ways = lanes or by_numpy, self._ways(start, values)
         if self.idle is None:
             return walker.walk(start, ways, values, go_on, most_steps, ends=ends)
 
@@ -226,3 +230,6 @@ class Closing:
             return walker.walk(q, displacement, target, go_on, most_steps, ends=ends)
 
         return Paths(*ends, self.idle.walk(walk, start, ways, values, ends))
+
+    def _ways(self, start: Array, values: Array) -> Array:
+        return self.mechanism.motors.ways(start if start.strides[0] else start[0], values)

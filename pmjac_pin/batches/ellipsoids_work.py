@@ -33,8 +33,8 @@ class EllipsoidsWork:
         J_eq, status, *radii = found
         self._settle(self.rates.fill(q, J_eq, radii), piece, q, (J_eq, status), radii)
 
-    def begun(self, J_eq: Array, _: Statuses, *radii: Array) -> RatesInLanes | None:
-        """Return what finds it behind a walk; None where nothing does."""
+    def begun(self, J_eq: Array, _: Statuses, *radii: Array) -> RatesInLanes:
+        """Return what finds it behind a walk, where rates go ahead."""
         return self.rates.ahead(J_eq, radii)
 
     def end(self, begun: RatesInLanes, piece: Piece, q: Array, *found: Any) -> None:

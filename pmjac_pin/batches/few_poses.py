@@ -15,7 +15,6 @@ from pmjac_pin.batches.at_poses import AtPoses, RatesWork
 from pmjac_pin.batches.batch import Batch
 from pmjac_pin.batches.closing import Closing
 from pmjac_pin.batches.one_by_one import jacobian_of_one, measures_of_one
-from pmjac_pin.batches.path_starts import PathStarts
 from pmjac_pin.batches.pieces import Piece
 from pmjac_pin.batches.result_shapes import shapes_of
 from pmjac_pin.batches.results import ManyMeasures, Status, Statuses
@@ -34,8 +33,8 @@ class FewPoses(Batch):
     def __init__(self, mechanism: Mechanism) -> None:  # nothing is recorded
         # Bits must not depend on calls before: of one's own, its single calls are the first.
         self.mechanism, self.runs_on = replace(mechanism, _poses={}), "single calls"
-        self._starts, self._closing = PathStarts(self.mechanism), Closing(self.mechanism, None)
-        self._at_poses, self._sound = _OneByOne(self.mechanism), SoundRows(self.mechanism)
+        self._closing, self._sound = Closing(self.mechanism, None), SoundRows(self.mechanism)
+        self._at_poses = _OneByOne(self.mechanism)
 
 
 class _OneByOne(AtPoses):
@@ -60,19 +59,17 @@ class _OneByOne(AtPoses):
     def measures(self) -> RatesWork:
         """Return what fills a piece of arrays that `ManyMeasures` has, or of the first of them."""
         self._mechanism.need_tool()
-        names = tuple(shapes_of(ManyMeasures, 0, 0))
+        return self._measure
 
-        def work(piece: Piece, q: Array, *found: Any) -> None:
-            arrays = dict(zip(names, found, strict=False))
-            for array in found:
-                array[:] = np.nan if array.dtype == np.float64 else Status.CLOSED
-            for k in range(len(q)):
-                piece.go_on()
-                for name, value in measures_of_one(self._mechanism, q[k]).items():
-                    if name in arrays:
-                        arrays[name][k] = value
-
-        return work
+    def _measure(self, piece: Piece, q: Array, *found: Any) -> None:
+        arrays = dict(zip(shapes_of(ManyMeasures, 0, 0), found, strict=False))
+        for array in found:
+            array[:] = np.nan if array.dtype == np.float64 else Status.CLOSED
+        for k in range(len(q)):
+            piece.go_on()
+            for name, value in measures_of_one(self._mechanism, q[k]).items():
+                if name in arrays:
+                    arrays[name][k] = value
 
 
 def batch_of(mechanism: Mechanism, poses: int) -> Batch:

@@ -64,13 +64,13 @@ def gathered(
     ----------
     wanted : Wanted
     work : callable
-        Fills the arrays of a piece, ``work(piece, *parts)``, in their order. Where the pieces end
-        depends on the number of poses alone.
+        Fills the arrays of a piece, ``work(piece, given, *parts)``, in their order. Where the
+        pieces end depends on the number of poses alone.
     how : Manner
     out : Results, optional
         To be filled again, and returned.
     given : tuple of ndarray
-        What is read while results are filled.
+        What is read, row by row.
 
     Raises
     ------
@@ -97,7 +97,7 @@ def gathered_together(
         results, arrays, seen = (
             _new(wanted, turn) if out is None else _again(wanted, turn, out, given)
         )
-        filling = filling_of(arrays, work, seen)
+        filling = filling_of(arrays, work, given, seen)
         turn.helpers = filling.helpers
         filling.fill(threads, progress)
     except BaseException as stopped:

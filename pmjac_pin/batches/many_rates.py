@@ -32,6 +32,11 @@ class ManyRates:
         Of closed poses, m.
     compiled : CompiledProgram, optional
         What computes the same as the tape.
+
+    Attributes
+    ----------
+    goes_ahead : bool
+        Whether it can follow a walk.
     """
 
     def __init__(
@@ -43,13 +48,13 @@ class ManyRates:
     ) -> None:
         self._tape, self._partition, self._tolerance = tape, partition, tolerance
         self._compiled, self._spares, self._finds_radii = compiled, None, False
-        self._goes_ahead = False
+        self.goes_ahead = False
         if (library := rates_kernel()) is not None:
             bounds = rank_bounds(partition)
             asked = (tolerance, bounds.weakest, bounds.tolerance, bounds.least_size, FELT, SPREAD)
             motors = partition.actuated.size
             self._finds_radii = radii_kernel() is not None
-            self._goes_ahead = self._finds_radii and not partition.isolated
+            self.goes_ahead = self._finds_radii and not partition.isolated
             self._spares = Spares(partial(RatesInLanes, library, tape, asked, motors, compiled))
 
     def fill(self, poses: Array, J_eq: Array, radii: Sequence[Array] = ()) -> tuple[Array, Mask]:
@@ -84,13 +89,18 @@ class ManyRates:
             certain.fill(False)
         return others, certain
 
-    def ahead(self, J_eq: Array, radii: Sequence[Array]) -> RatesInLanes | None:
+    def ahead(self, J_eq: Array, radii: Sequence[Array]) -> RatesInLanes:
         """Return what fills these as soon as a walk that it follows has filled as many poses.
 
-        None where that is not possible. To be put back when what it has found is not needed.
+        To be put back when what it has found is not needed.
+
+        Raises
+        ------
+        RuntimeError
+            Where it does not go ahead.
         """
-        if self._spares is None or not self._goes_ahead:
-            return None
+        if self._spares is None:
+            raise RuntimeError("without a kernel nothing goes ahead")
         memory = self._spares.take()
         memory.take(J_eq, radii)
         return memory

@@ -42,10 +42,6 @@ class Piece:
     def __init__(self, at: slice, of: Filling) -> None:
         self.at, self._of = at, of
 
-    def part(self, rows: Array) -> Array:
-        """Return those of these poses."""
-        return rows[self.at]
-
     def each(self, of: Mask) -> Iterator[int]:
         """Yield where a mask holds, for what takes long at each of these poses."""
         for index in np.flatnonzero(of).tolist():
@@ -62,7 +58,7 @@ class _GivenUp(Exception):
     """Ends a piece; nobody sees it."""
 
 
-#: (piece, its part of each array) ↦ nothing: it fills them.
+#: (piece, its part of what is given, its part of each array) ↦ nothing: it fills these.
 PieceWork: TypeAlias = Callable[..., object]
 
 
@@ -98,17 +94,27 @@ class _Arrays:
         Of poses.
     """
 
-    def __init__(self, found: list[NDArray[Any]], work: PieceWork, seen: Sequence[int]) -> None:
-        self._found, self._work, self._seen, self.count = found, work, seen, len(found[0])
+    def __init__(
+        self,
+        found: list[NDArray[Any]],
+        work: PieceWork,
+        given: tuple[Array, ...],
+        seen: Sequence[int],
+    ) -> None:
+        self._found, self._work, self._given, self._seen = found, work, given, seen
+        self.count = len(found[0])
         for k in seen:
             found[k].fill(_NOT_DONE)
 
-    def _do(self, piece: Piece, found: list[NDArray[Any]]) -> None:
+    def _do(self, piece: Piece, given: tuple[Array, ...], found: list[NDArray[Any]]) -> None:
         """Fill the arrays of a piece."""
+        if not self._seen:
+            self._work(piece, given, *found)
+            return
         told = found.copy()
         for k in self._seen:
             told[k] = np.empty(found[k].shape, np.int8)
-        self._work(piece, *told)
+        self._work(piece, given, *told)
         for k in self._seen:
             found[k][:] = told[k]
 
@@ -125,17 +131,13 @@ class Whole(_Arrays, Piece):
     helpers: Sequence[Rest] = ()
     at, _is_done = slice(None), False
 
-    def part(self, rows: Array) -> Array:
-        """Return all of them."""
-        return rows
-
     def go_on(self) -> None:
         """Go on: somebody waits for it."""
 
     def fill(self, _: int, progress: Progress | None) -> None:
         """Fill the arrays, in the caller's thread."""
         if self.count:
-            self._do(self, self._found)
+            self._do(self, self._given, self._found)
         self._is_done = True
         if progress is not None and self.count:
             progress(self.count, self.count)
@@ -162,8 +164,14 @@ class Filling(_Arrays):
         Of the threads besides the caller's.
     """
 
-    def __init__(self, found: list[NDArray[Any]], work: PieceWork, seen: Sequence[int]) -> None:
-        super().__init__(found, work, seen)
+    def __init__(
+        self,
+        found: list[NDArray[Any]],
+        work: PieceWork,
+        given: tuple[Array, ...],
+        seen: Sequence[int],
+    ) -> None:
+        super().__init__(found, work, given, seen)
         self._left = {piece.start: piece for piece in pieces_of(self.count)}
         self._waiting = deque(self._left)
         self._ended: deque[int] = deque()
@@ -238,22 +246,27 @@ class Filling(_Arrays):
 
     def _fill(self, at: int) -> None:
         piece = Piece(self._left[at], self)
-        self._do(piece, [array[piece.at] for array in self._found])
+        given = tuple([array[piece.at] for array in self._given])
+        self._do(piece, given, [array[piece.at] for array in self._found])
         del self._left[at]
         self._ended.append(piece.at.stop - at)
 
 
-def filling_of(found: list[NDArray[Any]], work: PieceWork, seen: Sequence[int]) -> Whole | Filling:
+def filling_of(
+    found: list[NDArray[Any]], work: PieceWork, given: tuple[Array, ...], seen: Sequence[int]
+) -> Whole | Filling:
     """Return what fills arrays, each of its pieces by such work.
 
     Parameters
     ----------
     found : list of ndarray
     work : callable
+    given : tuple of ndarray
+        What the work reads, row by row.
     seen : sequence of int
         Which of the arrays are statuses of results that somebody has already.
     """
-    return (Whole if len(found[0]) <= _BY_ONE else Filling)(found, work, seen)
+    return (Whole if len(found[0]) <= _BY_ONE else Filling)(found, work, given, seen)
 
 
 class _Told:

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from pmjac_pin.batches.results import Status, Statuses
+from pmjac_pin.batches.results import Status, Statuses, say_nothing
 from pmjac_pin.errors import ArgumentError
 from pmjac_pin.mechanism import Mechanism
 from pmjac_pin.model.unit_turns import UnitRows
@@ -59,25 +59,43 @@ class SoundRows:
             bad = no_turns if bad is None else bad | no_turns
         return q, bad
 
+    def before(self, work: Callable[..., object]) -> Callable[..., object]:
+        """Return work at poses, ``(piece, q, *found)``, for rows of which some may be no q."""
+
+        def sound(piece: Any, q: Array, *found: Any) -> None:
+            rows, bad = self.of_poses(q)
+            work(piece, rows, *found)
+            if bad is not None:
+                say_nothing(found, bad, Status.INVALID)
+
+        return sound
+
     def of_paths(
-        self, start: Array, values: Array, is_open: Callable[[Array], Mask] | None
+        self, start: Array, values: Array, is_open: Callable[[Array], Mask]
     ) -> tuple[Array, Array, Statuses | None]:
         """Return rows of q (N, nq) and motor values (N, n), and why paths are none: as a status.
 
+        Where one is none, it is one that goes nowhere, from home.
+
         Parameters
         ----------
-        is_open : callable, optional
-            Tells where loops are open; None where the start is known. Where it is none, the path
-            is one that goes nowhere, from home.
+        start, values : ndarray, shapes (N, nq) and (N, n)
+        is_open : callable
+            Tells where loops are open.
         """
-        why: Statuses | None = None
-        if is_open is not None:
-            start, bad = self.of_poses(start)
-            opened = is_open(start)
-            if bad is not None or opened.any():
-                start = np.where(opened[:, None], self._mechanism.home.q, start)
-                why = np.where(opened, Status.OPEN, Status.CLOSED).astype(np.int8)
-                why[[] if bad is None else bad] = Status.INVALID
+        start, bad = self.of_poses(start)
+        opened = is_open(start)
+        if bad is None and not opened.any():
+            return self.of_targets(start, values)
+        start = np.where(opened[:, None], self._mechanism.home.q, start)
+        why = np.where(opened, Status.OPEN, Status.CLOSED).astype(np.int8)
+        why[[] if bad is None else bad] = Status.INVALID
+        return self.of_targets(start, values, why)
+
+    def of_targets(
+        self, start: Array, values: Array, why: Statuses | None = None
+    ) -> tuple[Array, Array, Statuses | None]:
+        """Return the same of closed q; of some it may be known why paths are none."""
         if (bad := _no_numbers(values)) is not None:
             why = np.zeros(len(values), dtype=np.int8) if why is None else why
             why[bad] = Status.INVALID

@@ -261,6 +261,11 @@ class KernelWalk:
         struct.end = address(self.end)
 
     @property
+    def is_over(self) -> bool:
+        """Whether no path leads further."""
+        return not self._struct.busy
+
+    @property
     def all_arrived(self) -> bool:
         """Whether all paths that were taken are at their targets."""
         return bool(self._struct.arrived == self._struct.count)

@@ -44,23 +44,11 @@ class Paths(NamedTuple):
         At the target, at a pose where K* is singular, or where steps become too small beside one.
         The others ran out of steps, or ended where the bounds alone call K* singular, or right
         beside a target that may be: what `close` says of them is not known here.
-    all_arrived : bool
-        Whether it is known that all are at their targets.
-    are_refused : bool
-        Whether a target is no number within limits, and so none has set out: q and share hold
-        nothing.
     """
 
     q: Array
     share: Array
     settled: Mask
-    all_arrived: bool = False
-    are_refused: bool = False
-
-    @classmethod
-    def refused(cls, ends: tuple[Array, Array]) -> Paths:
-        """Return paths of which none has set out."""
-        return cls(*ends, np.zeros(len(ends[1]), dtype=bool), are_refused=True)
 
     def less(self, doubtful: Mask) -> Paths:
         """Return paths of which these are not settled where they end early."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Sequence
-from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -23,7 +22,7 @@ from pmjac_pin.closing.kernel_walk import (
 )
 from pmjac_pin.closing.many_paths import FEW, LONG, GoOn, Paths, judged
 from pmjac_pin.model.coordinates import JointCoordinates
-from pmjac_pin.values.arrays import Array, Mask, read_only
+from pmjac_pin.values.arrays import Array
 from pmjac_pin.values.spares import Spares
 
 if TYPE_CHECKING:
@@ -32,12 +31,6 @@ if TYPE_CHECKING:
 _LANE_STEPS_AT_ONCE = (
     64  # steps of each lane in one call: some milliseconds, in which nothing can interrupt
 )
-
-
-@lru_cache(maxsize=8)
-def _all_of(count: int) -> Mask:
-    """Return True for each of so many paths: of a call of microseconds that is made but once."""
-    return read_only(np.ones(count, dtype=bool))
 
 
 class PathsInLanes:
@@ -92,8 +85,6 @@ class PathsInLanes:
         *,
         design: Array | None = None,
         ends: tuple[Array, Array] | None = None,
-        following: Following | None = None,
-        only_inside: bool = False,
     ) -> Paths:
         """Walk from closed poses.
 
@@ -112,10 +103,6 @@ class PathsInLanes:
             is not settled then.
         ends : (ndarray, ndarray), shapes (b, nq) and (b,), optional
             Where q and share go, row by row.
-        following : Following, optional
-            What is done as soon as all have arrived, and not where some end elsewhere.
-        only_inside : bool
-            Whether all are refused where a target is no number between the limits.
         """
         if not len(q):
             return Paths(q.copy(), np.zeros(0), np.zeros(0, dtype=bool))
@@ -124,47 +111,86 @@ class PathsInLanes:
         walk = self._walks.take()
         start: Array | CommonStart = q
         if not q.strides[0]:
-            start = self._common_at(q[0]) if design is None else CommonStart(q[0].tobytes(), 0.0)
+            start = self.common_start(q[0]) if design is None else CommonStart(q[0].tobytes(), 0.0)
         _kept = walk.take(  # until this returns: C reads and writes there
-            start,
-            displacement,
-            target,
-            ends,
-            most_tries=most_steps,
-            design=design,
-            following=following,
-            only_inside=only_inside,
+            start, displacement, target, ends, most_tries=most_steps, design=design
         )
-        more = walk.set_out(_LANE_STEPS_AT_ONCE)
+        walk.set_out(_LANE_STEPS_AT_ONCE)
         go_on()
-        while more > 0:
-            more = walk.go_on(_LANE_STEPS_AT_ONCE)
-            go_on()
-        if more < 0:
+        paths = self.ended(walk, go_on, ends, displacement, is_one_machine=design is None)
+        return Paths(*ends, np.ones(len(q), dtype=bool)) if paths is None else paths
+
+    def set_out(
+        self,
+        start: CommonStart,
+        target: Array,
+        ends: tuple[Array, Array],
+        following: Following | None = None,
+    ) -> KernelWalk | None:
+        """Set out on paths from one pose, of motors that are entries of q; `ended` goes on.
+
+        Until then the caller keeps what is given, since C reads and writes there.
+
+        Parameters
+        ----------
+        start : CommonStart
+        target : ndarray, shape (b, n)
+            Row by row in memory.
+        ends : (ndarray, ndarray), shapes (b, nq) and (b,)
+        following : Following, optional
+            What is done as soon as all have arrived, and not where some end elsewhere.
+
+        Returns
+        -------
+        KernelWalk or None
+            None, and nothing is done, where a target is no number between the limits.
+        """
+        walk = self._walks.take()
+        walk.take(start, None, target, ends, following=following, only_inside=True)
+        if walk.set_out(_LANE_STEPS_AT_ONCE) < 0:
             self._walks.put_back(walk)
-            return Paths.refused(ends)
+            return None
+        return walk
+
+    def ended(
+        self,
+        walk: KernelWalk,
+        go_on: GoOn,
+        ends: tuple[Array, Array],
+        displacement: Array | None = None,
+        *,
+        is_one_machine: bool = True,
+    ) -> Paths | None:
+        """Walk to the ends; of several machines, what is doubtful there is not settled.
+
+        None where all have arrived.
+        """
+        while not walk.is_over:
+            walk.go_on(_LANE_STEPS_AT_ONCE)
+            go_on()
         if walk.all_arrived:
             self._walks.put_back(walk)
-            return Paths(*ends, _all_of(len(q)), all_arrived=True)
-        end = walk.end[: len(q)].copy()
-        ways = walk.ways[: len(q)].copy() if displacement is None else displacement
+            return None
+        count = len(ends[1])
+        end = walk.end[:count].copy()
+        ways = walk.ways[:count].copy() if displacement is None else displacement
         self._walks.put_back(walk)
-        ended, doubtful = Paths(*ends, end != SPENT), end == DOUBTFUL
-        if design is not None:
-            return ended.less(doubtful)
-        return judged(self._problem, ended, ways, doubtful)
+        paths, doubtful = Paths(*ends, end != SPENT), end == DOUBTFUL
+        if is_one_machine:
+            return judged(self._problem, paths, ways, doubtful)
+        return paths.less(doubtful)
 
-    def _another_walk(self) -> KernelWalk:
-        return KernelWalk(
-            self._library, self._machine, self._tapes, self._compiled, few=FEW, patience=LONG
-        )
-
-    def _common_at(self, q: Array) -> CommonStart:
+    def common_start(self, q: Array) -> CommonStart:
         """Return what is known of one start (nq,): the same value as long as it is the same."""
         known, numbers = self._common, q.tobytes()
         if known.q != numbers:  # threads may each find it
             known = self._common = CommonStart(numbers, self._inverse_at(q))
         return known
+
+    def _another_walk(self) -> KernelWalk:
+        return KernelWalk(
+            self._library, self._machine, self._tapes, self._compiled, few=FEW, patience=LONG
+        )
 
     def _inverse_at(self, q: Array) -> float:
         """Return how large the inverse of K* is, 0 where the programs have it on some columns."""
