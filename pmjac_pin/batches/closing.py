@@ -14,7 +14,7 @@ from pmjac_pin.closing.kernel_walk import CommonStart, Following
 from pmjac_pin.closing.many_idle_paths import ManyIdlePaths
 from pmjac_pin.closing.many_paths import GoOn, Paths, Walker
 from pmjac_pin.closing.path_kernel import many_paths_kernel
-from pmjac_pin.closing.paths_in_lanes import PathsInLanes
+from pmjac_pin.closing.paths_in_lanes import NONE_SET_OUT, PathsInLanes
 from pmjac_pin.closing.straight_path import LARGEST_STEP, MOST_STEPS
 from pmjac_pin.errors import ClosureError, MissingDependencyError
 from pmjac_pin.mechanism import Mechanism
@@ -136,13 +136,12 @@ class Closing:
         bool
             False, and nothing is done, where a target is no number within the motors' limits.
         """
-        lanes, (q, share, status), values = self.lanes, found, np.ascontiguousarray(values)
-        if lanes is None:
+        if self.lanes is None:
             raise RuntimeError("without a kernel no paths have a common start")
-        walk = lanes.set_out(start, values, (q, share), following)
-        if walk is None:
+        q, share, status = found
+        ended = self.lanes.walk_from(start, values, piece.go_on, (q, share), following)
+        if ended is NONE_SET_OUT:
             return False
-        ended = lanes.ended(walk, piece.go_on, (q, share))
         status.fill(CLOSED)
         if ended is not None:
             rows = np.broadcast_to(np.frombuffer(start.q), q.shape)

@@ -32,6 +32,9 @@ _LANE_STEPS_AT_ONCE = (
     64  # steps of each lane in one call: some milliseconds, in which nothing can interrupt
 )
 
+#: Paths of which none has set out: nothing is known of any.
+NONE_SET_OUT = Paths(np.empty((0, 0)), np.empty(0), np.empty(0, dtype=bool))
+
 
 class PathsInLanes:
     """Walks paths of a mechanism.
@@ -117,42 +120,41 @@ class PathsInLanes:
         )
         walk.set_out(_LANE_STEPS_AT_ONCE)
         go_on()
-        paths = self.ended(walk, go_on, ends, displacement, is_one_machine=design is None)
+        paths = self._ended(walk, go_on, ends, displacement, is_one_machine=design is None)
         return Paths(*ends, np.ones(len(q), dtype=bool)) if paths is None else paths
 
-    def set_out(
+    def walk_from(
         self,
         start: CommonStart,
         target: Array,
+        go_on: GoOn,
         ends: tuple[Array, Array],
         following: Following | None = None,
-    ) -> KernelWalk | None:
-        """Set out on paths from one pose, of motors that are entries of q; `ended` goes on.
-
-        Until then the caller keeps what is given, since C reads and writes there.
+    ) -> Paths | None:
+        """Walk from one closed pose, with motors that are entries of q, within their limits.
 
         Parameters
         ----------
         start : CommonStart
-        target : ndarray, shape (b, n)
-            Row by row in memory.
-        ends : (ndarray, ndarray), shapes (b, nq) and (b,)
+        target, go_on, ends
+            As for `walk`.
         following : Following, optional
             What is done as soon as all have arrived, and not where some end elsewhere.
 
         Returns
         -------
-        KernelWalk or None
-            None, and nothing is done, where a target is no number between the limits.
+        Paths or None
+            None where all have arrived; `NONE_SET_OUT`, and nothing is done, where a target is no
+            number between the limits.
         """
         walk = self._walks.take()
-        walk.take(start, None, target, ends, following=following, only_inside=True)
+        _kept = walk.take(start, None, target, ends, following=following, only_inside=True)
         if walk.set_out(_LANE_STEPS_AT_ONCE) < 0:
             self._walks.put_back(walk)
-            return None
-        return walk
+            return NONE_SET_OUT
+        return self._ended(walk, go_on, ends)
 
-    def ended(
+    def _ended(
         self,
         walk: KernelWalk,
         go_on: GoOn,
@@ -163,14 +165,14 @@ class PathsInLanes:
     ) -> Paths | None:
         """Walk to the ends; of several machines, what is doubtful there is not settled.
 
-        None where all have arrived.
+        None where all have arrived at once.
         """
-        while not walk.is_over:
-            walk.go_on(_LANE_STEPS_AT_ONCE)
-            go_on()
         if walk.all_arrived:
             self._walks.put_back(walk)
             return None
+        while not walk.is_over:
+            walk.go_on(_LANE_STEPS_AT_ONCE)
+            go_on()
         count = len(ends[1])
         end = walk.end[:count].copy()
         ways = walk.ways[:count].copy() if displacement is None else displacement
