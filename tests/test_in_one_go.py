@@ -11,6 +11,7 @@ from interrupter import Interrupter
 from mechanisms import mostly_slow
 from test_batch import NAMES, machine, targets
 from test_filled_again import equal
+from test_generic_ranks import taut_four_bar
 
 import pmjac_pin as pj
 from pmjac_pin.batches import filled_again, gathering, judge
@@ -111,6 +112,15 @@ def test_filled_again(call, rng):
     for one, other, same in zip(again, out, expected, strict=True):
         assert one is other
         equal(one, same)
+
+
+def test_a_structure_has_no_jacobian_either_way():
+    """K* has its rank of home there, and no pose beside it closes: of its J_eq nothing is known."""
+    many = pj.batch(taut_four_bar(["a"]))
+    poses, found = many.ellipsoids_at([[0.0]] * 3)
+    assert (poses.status == pj.Status.CLOSED).all()
+    assert (found.status == pj.Status.SINGULAR).all()
+    equal(found, many.ellipsoids(poses.q))
 
 
 def test_what_cannot_be_filled_is_refused_and_stays(rng):

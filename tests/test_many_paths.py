@@ -8,12 +8,14 @@ import numpy as np
 import pinocchio as pin
 import pytest
 from mechanisms import loaded, mostly_slow
-from test_batch import NAMES, single, targets
+from random_machines import Tree, at
+from test_batch import NAMES, in_a_row, single, targets
 
 import pmjac_pin as pj
 from pmjac_pin.algebra.tape_runner import run
-from pmjac_pin.closing.many_paths import FEW, LONG
+from pmjac_pin.closing.many_paths import FEW, LONG, Paths
 from pmjac_pin.closing.path_kernel import many_paths_kernel
+from pmjac_pin.closing.paths_in_lanes import Outcome
 from pmjac_pin.closing.recorded_step import BOUNDS
 from pmjac_pin.closing.straight_path import MOST_STEPS
 
@@ -131,6 +133,72 @@ def test_the_kernel_finds_how_far_motors_go(name, at, rng):
         ]
         for one, other in zip(*paths, strict=True):
             np.testing.assert_array_equal(one, other)
+
+
+@pytest.mark.skipif(many_paths_kernel() is None, reason="no kernel was built")
+@pytest.mark.parametrize(("share", "outcome"), [(0.05, Outcome.ALL_ARRIVED), (0.6, Paths)])
+def test_who_waits_for_paths_from_one_pose_is_asked_now_and_then(share, outcome, rng):
+    """Between calls that take some milliseconds; whoever raises then is heard."""
+    many = pj.batch(loaded("five_bar"))
+    closing, nq = many._closing, many.mechanism.nq
+    values, told = targets(many.mechanism, 4000, share, rng), []
+    ends, start = (
+        (np.empty((4000, nq)), np.empty(4000)),
+        closing.common_start(many.mechanism.home.q),
+    )
+
+    def stop():
+        raise InterruptedError
+
+    found = closing.lanes.walk_from(start, values, lambda: told.append(1), ends)
+    assert found is outcome or isinstance(found, outcome)
+    assert len(told) >= (3 if outcome is Paths else 1)
+    with pytest.raises(InterruptedError):
+        closing.lanes.walk_from(start, values, stop, ends)
+    again = closing.lanes.walk(
+        np.tile(many.mechanism.home.q, (4000, 1)), None, values, lambda: None
+    )
+    np.testing.assert_allclose(ends[0][again.share == 1.0], again.q[again.share == 1.0], atol=1e-12)
+
+
+def folding_four_bar():
+    """No bar turns all around, and no joint has limits."""
+    tree = Tree()
+    crank = tree.joint(0, "crank", at([0, 0, 0]))
+    coupler = tree.joint(crank, "coupler", at([1, 0, 0]))
+    rocker = tree.joint(0, "rocker", at([1.5, 0, 0]))
+    tree.frame(coupler, "end", at([1, 1, 0]))
+    tree.frame(rocker, "top", at([1.5, 1, 0]))
+    loops, home = [pj.PointLoop(frames=("end", "top"))], {"crank": 1.2}
+    found = pj.Mechanism.from_pinocchio(
+        tree.model, loops, ["crank"], "end", home=home, name="folding"
+    )
+    assert min(found.coordinates.upper) == np.inf
+    return found
+
+
+@pytest.mark.parametrize("far", [1e6, -1e8])
+@pytest.mark.parametrize(
+    "machine",
+    [
+        lambda: loaded("five_bar"),
+        lambda: loaded("three_rps"),
+        lambda: in_a_row(pin.JointModelRZ(), np.full(2, np.inf)),
+        folding_four_bar,
+    ],
+    ids=["five_bar", "three_rps", "no limits", "no limits but folds"],
+)
+def test_what_is_too_long_for_any_number_of_steps_is_not_followed(machine, far, rng):
+    """As by the single call, which tells the share of the way."""
+    mechanism = machine()
+    many, values = pj.batch(mechanism), targets(mechanism, 5, 0.05, rng)
+    values[2, 0] += far
+    with pytest.raises(pj.ClosureError) as raised:
+        mechanism.close(values[2], enforce_limits=False)
+    for guess in ("home", np.tile(mechanism.home.q, (5, 1))):
+        poses = many.close(values, guess, enforce_limits=False)
+        np.testing.assert_array_equal(poses.status == pj.Status.STOPPED, np.arange(5) == 2)
+        assert poses.share[2] == raised.value.share
 
 
 class ShortSteps:

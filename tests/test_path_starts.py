@@ -14,6 +14,14 @@ import pmjac_pin as pj
 from pmjac_pin.batches.few_poses import FewPoses
 
 KINDS = [pj.batch, FewPoses]
+LAST = 24  # of the steps between which another thread asks
+
+
+def beyond_limits(many, rng):
+    """Targets of which one is beyond the motors' limits, and one is no number."""
+    values = targets(many.mechanism, 5, 0.02, rng)
+    values[1], values[3] = 5.0, np.nan
+    return values
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -21,13 +29,13 @@ KINDS = [pj.batch, FewPoses]
 def test_what_another_thread_asks_between_two_steps_changes_nothing(kind, call, rng):
     """Of another start, as many poses or not, within limits or not: what was asked is kept."""
     many = kind(loaded("three_rps"))
-    values, of = targets(many.mechanism, 5, 0.02, rng), getattr(many, call)
+    values, of = beyond_limits(many, rng), getattr(many, call)
     other, asked = many.mechanism.pose("lecture_b"), 0
     others = [(values, other, True), (values[:3], "home", True), (values, "home", False)]
 
     def ask(frame, event, argument):
         nonlocal asked
-        if frame.f_code is not pj.Batch._asked_of.__code__:
+        if frame.f_code is not pj.Batch._requested.__code__ or asked > LAST:
             return None
         sys.settrace(None)
         given, guess, limits = others[asked % len(others)]
@@ -37,7 +45,7 @@ def test_what_another_thread_asks_between_two_steps_changes_nothing(kind, call, 
         return ask
 
     expected, before = arrays(of(values)), sys.gettrace()
-    for _ in range(3):
+    for _ in range(2):
         sys.settrace(ask)
         try:
             found = of(values)
@@ -59,22 +67,33 @@ def arrays(found):
     return [array for one in results for array in vars(one).values() if hasattr(array, "shape")]
 
 
+ASKED = (
+    ("home", True, 5), ("home", True, 5), ("lecture_b", True, 5), ("home", True, 5),
+    ("home", False, 5), ("home", True, 5), ("home", "all", 5), ("home", False, 5),
+    ("home", True, 3), ("home", True, 5), ("each", True, 5), ("lecture_b", True, 5),
+    ("lecture_b", False, 5),
+)  # fmt: skip
+
+
 @pytest.mark.parametrize("kind", KINDS)
-def test_what_was_asked_before_changes_nothing(kind, rng):
-    """Another start, count, limits or kind of result, in turn; by name, and poses as such."""
+@pytest.mark.parametrize("by_name", [True, False])
+@pytest.mark.parametrize("call", ["close", "ellipsoids_at", "measures_at"])
+def test_what_was_asked_before_changes_nothing(kind, by_name, call, rng):
+    """One of start, limits and count is another one than before, or none."""
     mechanism = loaded("three_rps")
-    many, values = kind(mechanism), targets(mechanism, 6, 0.02, rng)
-    values[1] += 10.0
-    home, other = mechanism.home, mechanism.pose("lecture_b")
-    for guess in ("home", "lecture_b", home, other, "home", np.tile(home.q, (6, 1))):
-        for limits in (True, False, "all", True):
-            for count in (6, 3):
-                starts = guess if isinstance(guess, str | pj.Configuration) else guess[:count]
-                given = values[:count], starts
-                for call in ("close", "ellipsoids_at", "measures_at"):
-                    found = getattr(many, call)(*given, enforce_limits=limits)
-                    alone = getattr(kind(mechanism), call)(*given, enforce_limits=limits)
-                    compare(arrays(found), arrays(alone))
+    many, alone = kind(mechanism), {}
+    values = beyond_limits(many, rng)
+    for guess, limits, count in ASKED:
+        start = guess if by_name else mechanism.pose("home" if guess == "each" else guess)
+        if guess == "each":
+            start = np.tile(mechanism.home.q, (count, 1))
+        given, how = (values[:count], start), {"enforce_limits": limits}
+        if (guess, limits, count) not in alone:
+            expected = arrays(getattr(kind(mechanism), call)(*given, **how))
+            alone[guess, limits, count] = expected
+        compare(arrays(getattr(many, call)(*given, **how)), alone[guess, limits, count])
+    statuses = [told[2].tolist() for told in (alone["home", True, 5], alone["home", False, 5])]
+    assert statuses[0] != statuses[1]
 
 
 @pytest.mark.parametrize("kind", KINDS)

@@ -88,7 +88,9 @@ def test_what_is_refused_leaves_no_trace(count, rng):
     np.testing.assert_array_equal(out[1].J_eq, of_them.J_eq)
 
 
-def test_who_is_refused_leaves_the_memory_to_others(monkeypatch, rng):
+@pytest.mark.parametrize("bad", [0.0, 100.0, np.nan])
+def test_each_call_leaves_its_memory_to_others(bad, monkeypatch, rng):
+    """Where all arrive, where some do not, and where none sets out."""
     many = pj.batch(loaded("five_bar"))
     if many._closing.lanes is None:
         pytest.skip("no kernel was built")
@@ -101,7 +103,9 @@ def test_who_is_refused_leaves_the_memory_to_others(monkeypatch, rng):
 
     monkeypatch.setattr(paths_in_lanes, "KernelWalk", Counted)
     values = targets(many.mechanism, 5, 0.1, rng)
-    values[1] = 100.0
+    values[1] += bad
     for _ in range(5):
         many.close(values, threads=1)
+        many.ellipsoids_at(values, threads=1)
+        many.close(values, np.tile(many.mechanism.home.q, (5, 1)), threads=1)
     assert len(made) == 1

@@ -8,7 +8,7 @@ from typing import Any
 
 from pmjac_pin.batches.at_poses import RatesWork
 from pmjac_pin.batches.ellipsoids_work import EllipsoidsWork
-from pmjac_pin.batches.paths_work import PathsFromOne, PathsWork
+from pmjac_pin.batches.paths_work import PathsWork
 from pmjac_pin.batches.pieces import Piece
 from pmjac_pin.batches.results import Statuses
 from pmjac_pin.batches.sound_rows import SoundRows
@@ -40,9 +40,10 @@ class AtEnds:
         *found: Any,
     ) -> None:
         """Fill those of a piece."""
-        some_unknown = self.paths(piece, given, q, share, status)
-        rates = self.sound.before(self.rates) if some_unknown else self.rates
-        rates(piece, q, *found)
+        if self.paths(piece, given, q, share, status):
+            self.sound.fill(self.rates, piece, q, *found)
+        else:
+            self.rates(piece, q, *found)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -51,12 +52,12 @@ class EllipsoidsAtEnds:
 
     Attributes
     ----------
-    paths : PathsFromOne
+    paths : PathsWork
     rates : EllipsoidsWork
     sound : SoundRows
     """
 
-    paths: PathsFromOne
+    paths: PathsWork
     rates: EllipsoidsWork
     sound: SoundRows
 
@@ -71,20 +72,14 @@ class EllipsoidsAtEnds:
     ) -> None:
         """Fill those of a piece."""
         begun = self.rates.begun(*found)
-        some_unknown = self.paths(piece, given, q, share, status, following=begun.following)
-        if some_unknown:
-            self.sound.before(partial(self.rates.end, begun))(piece, q, *found)
+        if self.paths(piece, given, q, share, status, following=begun.following):
+            self.sound.fill(partial(self.rates.end, begun), piece, q, *found)
         else:
             self.rates.end(begun, piece, q, *found)
 
 
 def at_ends(paths: PathsWork, rates: RatesWork, sound: SoundRows) -> AtEnds | EllipsoidsAtEnds:
     """Return what fills arrays of both, as soon as it can."""
-    if (
-        isinstance(rates, EllipsoidsWork)
-        and rates.rates.goes_ahead
-        and isinstance(paths, PathsFromOne)
-        and paths.start is not None
-    ):
+    if isinstance(rates, EllipsoidsWork) and rates.rates.goes_ahead:
         return EllipsoidsAtEnds(paths, rates, sound)
     return AtEnds(paths, rates, sound)

@@ -5,7 +5,7 @@ What a program certifies is what the single call says; where it cannot, the sing
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from functools import cached_property
 from typing import Any, TypeVar
 
@@ -14,7 +14,6 @@ import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from pmjac_pin.algebra.tape_runner import tape_kernel
-from pmjac_pin.batches.asked import Asked
 from pmjac_pin.batches.at_ends import at_ends
 from pmjac_pin.batches.at_poses import AtPoses, RatesWork
 from pmjac_pin.batches.closing import Closing
@@ -22,6 +21,7 @@ from pmjac_pin.batches.filled_again import Refillable
 from pmjac_pin.batches.gathering import Manner, Results, Wanted, gathered, gathered_together
 from pmjac_pin.batches.grid import Grid
 from pmjac_pin.batches.path_starts import closed_q, path_starts
+from pmjac_pin.batches.paths_request import PathsRequest
 from pmjac_pin.batches.paths_work import PathsFromEach, PathsFromOne, PathsWork
 from pmjac_pin.batches.pieces import Piece, PieceWork, Progress
 from pmjac_pin.batches.result_shapes import shapes_of
@@ -140,8 +140,10 @@ class Batch:
             shapes, or whose arrays are not to be written to, or are what is read. Of single values
             and guesses the status tells.
         """
-        asked, given = self._asked_of(ManyClosed, None, actuated, guess, enforce_limits)
-        poses: ManyClosed = gathered(asked.wanted[0], asked.work, (threads, progress), out, given)
+        request, given = self._requested(ManyClosed, actuated, guess, enforce_limits)
+        poses: ManyClosed = gathered(
+            request.wanted[0], request.work, (threads, progress), out, given
+        )
         return poses
 
     def grid(
@@ -322,10 +324,9 @@ class Batch:
         >>> bool((found.velocity_radii == many.ellipsoids(poses.q).velocity_radii).all())
         True
         """
-        find = self._at_poses.ellipsoids
-        asked, given = self._asked_of(ManyEllipsoids, find, actuated, guess, enforce_limits)
+        request, given = self._requested(ManyEllipsoids, actuated, guess, enforce_limits)
         both: tuple[ManyClosed, ManyEllipsoids]
-        both = self._gathered_at(asked, (threads, progress), out, given)
+        both = self._gathered_at(request, (threads, progress), out, given)
         return both
 
     def measures_at(
@@ -360,10 +361,9 @@ class Batch:
         >>> bool((found.smallest == many.measures(poses.q).smallest).all())
         True
         """
-        find = self._at_poses.measures
-        asked, given = self._asked_of(ManyMeasures, find, actuated, guess, enforce_limits)
+        request, given = self._requested(ManyMeasures, actuated, guess, enforce_limits)
         both: tuple[ManyClosed, ManyMeasures]
-        both = self._gathered_at(asked, (threads, progress), out, given)
+        both = self._gathered_at(request, (threads, progress), out, given)
         return both
 
     def _gathered(
@@ -375,35 +375,33 @@ class Batch:
         out: ManyRatesKind | None,
     ) -> ManyRatesKind:
         """Return what is found at the poses that are given."""
-        sound = self._sound.before(work)
 
         def of_piece(piece: Piece, given: tuple[Array], *found: Any) -> None:
-            sound(piece, *given, *found)
+            self._sound.fill(work, piece, *given, *found)
 
         wanted = self._wanted(kind, len(poses))
         return gathered(wanted, of_piece, how, out, (poses,))
 
     def _gathered_at(
         self,
-        asked: Asked,
+        request: PathsRequest,
         how: Manner,
         out: tuple[Any, ...] | None,
         given: tuple[Array, ...],
     ) -> Any:
         """Return closed poses, and what is found there while they are at hand."""
         if not (out is None or (isinstance(out, tuple) and len(out) == 2)):
-            pair = f"({', '.join(wanted.kind.__name__ for wanted in asked.wanted)})"
+            pair = f"({', '.join(wanted.kind.__name__ for wanted in request.wanted)})"
             raise ArgumentError(f"`out` is {pair} to be filled again, got {quoted(out)}")
-        return gathered_together(asked.wanted, asked.work, how, out, given)
+        return gathered_together(request.wanted, request.work, how, out, given)
 
-    def _asked_of(
+    def _requested(
         self,
         kind: type[Refillable],
-        find: Callable[[], RatesWork] | None,
         actuated: ArrayLike,
         guess: Any,
         enforce_limits: bool | str,
-    ) -> tuple[Asked, tuple[Array, ...]]:
+    ) -> tuple[PathsRequest, tuple[Array, ...]]:
         """Return what is asked of paths to motor values, and the arrays that this reads.
 
         What was asked last is known again where all paths begin at one pose.
@@ -412,25 +410,27 @@ class Batch:
         ----------
         kind : type
             `ManyClosed`, or what is found where paths end.
-        find : callable, optional
-            Returns what finds that.
         actuated, guess, enforce_limits
             As for `close`.
         """
         values = self.mechanism.motors.table(actuated)
-        last: Asked | None = self._last_asked.get(kind)
+        last: PathsRequest | None = self._last_requests.get(kind)
         if last is not None and last.is_again(guess, enforce_limits, len(values)):
             return last, (values,)
         (paths, given), count = self._paths(values, guess, enforced(enforce_limits)), len(values)
         wanted: tuple[Wanted[Any], ...] = (self._wanted(ManyClosed, count),)
         work: PieceWork = paths
-        if find is not None:
+        if kind is not ManyClosed:
+            finds = {
+                ManyEllipsoids: self._at_poses.ellipsoids,
+                ManyMeasures: self._at_poses.measures,
+            }
             wanted += (self._wanted(kind, count),)
-            work = at_ends(paths, find(), self._sound)
-        asked = Asked(guess, enforce_limits, count, wanted, work)
+            work = at_ends(paths, finds[kind](), self._sound)
+        request = PathsRequest(guess, enforce_limits, count, wanted, work)
         if isinstance(paths, PathsFromOne):  # other guesses may hold something else next time
-            self._last_asked[kind] = asked
-        return asked, given
+            self._last_requests[kind] = request
+        return request, given
 
     def _paths(self, values: Array, guess: Any, whose: str) -> tuple[PathsWork, tuple[Array, ...]]:
         """Return what closes paths to motor values (N, n), and the arrays that it reads."""
@@ -454,6 +454,10 @@ class Batch:
     def _last_wanted(self) -> dict[type, Wanted[Any]]:
         return {}
 
+    def __getstate__(self) -> dict[str, Any]:
+        """Return all but what is known again of calls before."""
+        return {name: of for name, of in vars(self).items() if not name.startswith("_last_")}
+
     @cached_property
-    def _last_asked(self) -> dict[type, Asked]:
+    def _last_requests(self) -> dict[type, PathsRequest]:
         return {}

@@ -14,7 +14,7 @@ from pmjac_pin.closing.kernel_walk import CommonStart, Following
 from pmjac_pin.closing.many_idle_paths import ManyIdlePaths
 from pmjac_pin.closing.many_paths import GoOn, Paths, Walker
 from pmjac_pin.closing.path_kernel import many_paths_kernel
-from pmjac_pin.closing.paths_in_lanes import NONE_SET_OUT, PathsInLanes
+from pmjac_pin.closing.paths_in_lanes import Outcome, PathsInLanes
 from pmjac_pin.closing.straight_path import LARGEST_STEP, MOST_STEPS
 from pmjac_pin.errors import ClosureError, MissingDependencyError
 from pmjac_pin.mechanism import Mechanism
@@ -107,13 +107,17 @@ class Closing:
         found: Found,
         *,
         most_steps: int | None = None,
+        following: Following | None = None,
     ) -> None:
         """Find q, share and status of one piece, of paths from closed q to motor values.
 
-        With so few steps, what is not certain by them has the status NOT_DONE.
+        With so few steps, what is not certain by them has the status NOT_DONE. What follows is done
+        only where a kernel has walked, and all have arrived.
         """
         q, share, status = found
-        ended = self.together(*paths, (q, share), go_on=piece.go_on, most_steps=most_steps)
+        ended = self.together(
+            *paths, (q, share), go_on=piece.go_on, most_steps=most_steps, following=following
+        )
         status.fill(CLOSED)
         self._settle(piece, paths, ended, found, most_steps)
         if whose != "none":
@@ -140,12 +144,12 @@ class Closing:
             raise RuntimeError("without a kernel no paths have a common start")
         q, share, status = found
         ended = self.lanes.walk_from(start, values, piece.go_on, (q, share), following)
-        if ended is NONE_SET_OUT:
+        if ended is Outcome.NONE_SET_OUT:
             return False
         status.fill(CLOSED)
-        if ended is not None:
+        if isinstance(ended, Paths):
             rows = np.broadcast_to(np.frombuffer(start.q), q.shape)
-            self._less_too_long(rows, values, ended)
+            self._leave_too_long(rows, values, ended)
             self._settle(piece, (rows, values), ended, found)
         if whose != "none":
             self._keep_to_limits(whose, values, found)
@@ -189,6 +193,7 @@ class Closing:
         *,
         go_on: GoOn = lambda: None,
         most_steps: int | None = None,
+        following: Following | None = None,
     ) -> Paths:
         """Walk all paths by the program, which says which are settled; find q and share."""
         q, share = ends
@@ -196,11 +201,19 @@ class Closing:
         if self.walker is None or self.some_are_led:
             q[:], share[:] = start, 0.0
             return Paths(q, share, np.zeros(len(values), dtype=bool))
-        paths = self._walked(self.walker, (start, values), ends, go_on, most_steps or MOST_STEPS)
-        self._less_too_long(start, values, paths)
+        most = most_steps or MOST_STEPS
+        if self.lanes is None or self.idle is not None:
+            paths = self._walked(self.lanes or self.walker, (start, values), ends, go_on, most)
+        else:
+            # It finds by itself how far motors go that are entries of q.
+            ways = None if self.mechanism.motors.are_entries else self._ways(start, values)
+            paths = self.lanes.walk(
+                start, ways, values, go_on, most, ends=ends, following=following
+            )
+        self._leave_too_long(start, values, paths)
         return paths
 
-    def _less_too_long(self, start: Array, values: Array, paths: Paths) -> None:
+    def _leave_too_long(self, start: Array, values: Array, paths: Paths) -> None:
         """Settle no path that is too long for any number of steps: single calls take none."""
         left = np.flatnonzero(paths.share != 1.0)  # the others were within so many steps
         partition = self.mechanism.problem.partition
@@ -210,18 +223,15 @@ class Closing:
 
     def _walked(
         self,
-        by_numpy: Walker,
+        walker: Walker | PathsInLanes,
         paths: tuple[Array, Array],
         ends: tuple[Array, Array],
         go_on: GoOn,
         most_steps: int,
     ) -> Paths:
-        """Walk paths, of what idles or not."""
-        (start, values), lanes = paths, self.lanes
-        if lanes is not None and self.idle is None and self.mechanism.motors.are_entries:
-            # It finds by itself how far they go.
-            return lanes.walk(start, None, values, go_on, most_steps, ends=ends)
-        walker, ways = lanes or by_numpy, self._ways(start, values)
+        """Walk paths of which it is known how far the motors go, of what idles or not."""
+        start, values = paths
+        ways = self._ways(start, values)
         if self.idle is None:
             return walker.walk(start, ways, values, go_on, most_steps, ends=ends)
 

@@ -134,7 +134,7 @@ class DesignBatch:
     def measures(self, q: Array) -> ManyMeasures:
         """Return what `Batch.measures` does at closed poses (N, nq)."""
         n, inputs = self._motors.size, self._inputs(q)
-        found, _ = empty_arrays(shapes_of(ManyMeasures, len(q), n))
+        found = empty_arrays(shapes_of(ManyMeasures, len(q), n))
 
         def fill(part: slice, J_eq: Array) -> tuple[Array, Mask]:
             told = run(self._programs.measures, inputs[:, part])

@@ -25,6 +25,7 @@ from pmjac_pin.values.arrays import Array
 
 # Closed while programs are made: so many, and more for each entry of loops' and tool's Jacobians.
 _POSES, _POSES_PER_ENTRY = 10.0, 0.07
+_MEASURES = tuple(shapes_of(ManyMeasures, 0, 0))  # names of arrays, in their order
 
 
 class FewPoses(Batch):
@@ -62,7 +63,7 @@ class _OneByOne(AtPoses):
         return self._measure
 
     def _measure(self, piece: Piece, q: Array, *found: Any) -> None:
-        arrays = dict(zip(shapes_of(ManyMeasures, 0, 0), found, strict=False))
+        arrays = dict(zip(_MEASURES, found, strict=False))
         for array in found:
             array[:] = np.nan if array.dtype == np.float64 else Status.CLOSED
         for k in range(len(q)):

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
+from operator import is_
 from typing import Any, TypeVar
 
 import numpy as np
@@ -110,14 +111,10 @@ def _check_to_be_filled(shown: Shown, shapes: ResultShapes, given: Sequence[Arra
                 raise ArgumentError(f"`out` with a {name} of shape {shape} expected, got {found}")
     arrays = shown.arrays.values()
     for one in given:
-        # What owns its memory lies where only its own views do.
-        lies = _is_of if one.flags.owndata else np.may_share_memory
+        # What owns its memory lies where nothing else does.
+        lies = is_ if one.flags.owndata else np.may_share_memory
         if any(map(partial(lies, one), arrays)):
             raise ArgumentError(
                 "`out` lies where what is given lies, which would be written over while it is "
                 "read; give a copy of the one, or another `out`"
             )
-
-
-def _is_of(owner: Array, array: NDArray[Any]) -> bool:
-    return array is owner or array.base is owner

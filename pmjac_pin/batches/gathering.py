@@ -19,7 +19,7 @@ from pmjac_pin.batches.pieces import (
 )
 from pmjac_pin.batches.result_shapes import ResultShapes, empty_arrays
 from pmjac_pin.batches.turn import RefillTurn
-from pmjac_pin.values.arrays import Array
+from pmjac_pin.values.arrays import Array, sealed
 from pmjac_pin.values.checks import check_callable
 
 Results = TypeVar("Results", bound=Refillable)
@@ -113,9 +113,9 @@ def _new(wanted: Sequence[Wanted[Any]], turn: RefillTurn) -> _Taken:
     """Return results in new arrays, which nobody else fills until a turn is over."""
     results: list[Refillable] = []
     found: list[NDArray[Any]] = []
-    known: dict[str, Any]
     for kind, shapes, more in wanted:
-        arrays, known = empty_arrays(shapes)
+        arrays = empty_arrays(shapes)
+        known: dict[str, Any] = {name: sealed(array) for name, array in arrays.items()}
         found += arrays.values()
         known.update(more)
         results.append(showing(kind, known, Shown(arrays, shapes, turn)))

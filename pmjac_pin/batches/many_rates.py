@@ -99,8 +99,8 @@ class ManyRates:
         RuntimeError
             Where it does not go ahead.
         """
-        if self._spares is None:
-            raise RuntimeError("without a kernel nothing goes ahead")
+        if self._spares is None or not self.goes_ahead:
+            raise RuntimeError("nothing goes ahead: no kernel finds it, or it is certain nowhere")
         memory = self._spares.take()
         memory.take(J_eq, radii)
         return memory

@@ -59,11 +59,11 @@ class PathsFromOne:
             if closing.close_inside(piece, start, values, whose, found, following=following):
                 return False
         elif closing.mechanism.motors.are_inside(values):
-            closing.close(piece, (self._rows(values), values), whose, found)
+            paths = self._rows(values), values
+            closing.close(piece, paths, whose, found, following=following)
             return False
-        rows, values, why = self.sound.of_targets(self._rows(values), values)
-        closing.close(piece, (rows, values), self.whose, found)
-        return _say_why(why, found)
+        told = self.sound.of_targets(self._rows(values), values)
+        return _close(closing, piece, told, self.whose, found, following=following)
 
     def _rows(self, values: Array) -> Array:
         return np.broadcast_to(self.q, (len(values), self.q.size))
@@ -83,20 +83,36 @@ class PathsFromEach:
     sound: SoundRows
     whose: str
 
-    def __call__(self, piece: Piece, given: tuple[Array, Array], *found: Any) -> bool:
+    def __call__(
+        self,
+        piece: Piece,
+        given: tuple[Array, Array],
+        *found: Any,
+        following: Following | None = None,
+    ) -> bool:
         """Fill q, share and status of a piece; tell whether of some paths nothing is known."""
-        rows, values, why = self.sound.of_paths(*given, self.closing.is_open)
-        self.closing.close(piece, (rows, values), self.whose, found)
-        return _say_why(why, found)
+        told = self.sound.of_paths(*given, self.closing.is_open)
+        return _close(self.closing, piece, told, self.whose, found, following=following)
 
 
 PathsWork: TypeAlias = PathsFromOne | PathsFromEach
 
 
-def _say_why(why: Statuses | None, found: Found) -> bool:
-    """Say of paths that are none why; tell whether there are any."""
+def _close(
+    closing: Closing,
+    piece: Piece,
+    paths: tuple[Array, Array, Statuses | None],
+    whose: str,
+    found: Found,
+    *,
+    following: Following | None,
+) -> bool:
+    """Close paths, of which some may be none, and tell whether there are any; else it follows."""
+    rows, values, why = paths
     if why is None:
+        closing.close(piece, (rows, values), whose, found, following=following)
         return False
+    closing.close(piece, (rows, values), whose, found)
     none = why != Status.CLOSED
     say_nothing(found, none, why[none])
     return True

@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmjac_pin.batches.memory_left import LARGE, in_memory_left
-from pmjac_pin.values.arrays import sealed
 
 _OF_ONE_POSE: dict[str, tuple[int, ...]] = {  # -1: one for each motor, -2: for each entry of q
     "q": (-2,), "share": (), "J_eq": (6, -1), "status": (),
@@ -57,16 +56,7 @@ def shapes_of(kind: type, count: int, motors: int, nq: int = 0) -> ResultShapes:
     )
 
 
-def empty_arrays(shapes: ResultShapes) -> tuple[dict[str, NDArray[Any]], dict[str, NDArray[Any]]]:
-    """Return arrays of results that are to be filled, and what others see of each: read-only."""
-    if 8 * shapes.numbers >= LARGE:
-        left = {name: in_memory_left(shape, kind) for name, shape, kind in shapes.kinds}
-        return left, {name: sealed(array) for name, array in left.items()}
-    arrays: dict[str, NDArray[Any]] = {}
-    seen: dict[str, NDArray[Any]] = {}
-    for name, shape, kind in shapes.kinds:
-        own = np.empty(shape, kind)
-        arrays[name] = own.view()
-        own.setflags(write=False)  # of all other views, too: some times faster than `sealed`
-        seen[name] = own.view()
-    return arrays, seen
+def empty_arrays(shapes: ResultShapes) -> dict[str, NDArray[Any]]:
+    """Return arrays of results that are to be filled."""
+    empty = np.empty if 8 * shapes.numbers < LARGE else in_memory_left
+    return {name: empty(shape, kind) for name, shape, kind in shapes.kinds}

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from pmjac_pin.batches.pieces import Piece
 from pmjac_pin.batches.results import Status, Statuses, say_nothing
 from pmjac_pin.errors import ArgumentError
 from pmjac_pin.mechanism import Mechanism
@@ -59,23 +60,19 @@ class SoundRows:
             bad = no_turns if bad is None else bad | no_turns
         return q, bad
 
-    def before(self, work: Callable[..., object]) -> Callable[..., object]:
-        """Return work at poses, ``(piece, q, *found)``, for rows of which some may be no q."""
-
-        def sound(piece: Any, q: Array, *found: Any) -> None:
-            rows, bad = self.of_poses(q)
-            work(piece, rows, *found)
-            if bad is not None:
-                say_nothing(found, bad, Status.INVALID)
-
-        return sound
+    def fill(self, work: Callable[..., object], piece: Piece, q: Array, *found: Any) -> None:
+        """Do work at poses, ``work(piece, q, *found)``, of which some may be no q; say of which."""
+        rows, bad = self.of_poses(q)
+        work(piece, rows, *found)
+        if bad is not None:
+            say_nothing(found, bad, Status.INVALID)
 
     def of_paths(
         self, start: Array, values: Array, is_open: Callable[[Array], Mask]
     ) -> tuple[Array, Array, Statuses | None]:
         """Return rows of q (N, nq) and motor values (N, n), and why paths are none: as a status.
 
-        Where one is none, it is one that goes nowhere, from home.
+        Where one is none, it goes nowhere, from home if its start is none.
 
         Parameters
         ----------
@@ -95,7 +92,14 @@ class SoundRows:
     def of_targets(
         self, start: Array, values: Array, why: Statuses | None = None
     ) -> tuple[Array, Array, Statuses | None]:
-        """Return the same of closed q; of some it may be known why paths are none."""
+        """Return the same of closed q.
+
+        Parameters
+        ----------
+        start, values : ndarray, shapes (N, nq) and (N, n)
+        why : ndarray of int, shape (N,), optional
+            Why some are none; more are written into it.
+        """
         if (bad := _no_numbers(values)) is not None:
             why = np.zeros(len(values), dtype=np.int8) if why is None else why
             why[bad] = Status.INVALID

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Sequence
+from enum import Enum
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -22,18 +23,21 @@ from pmjac_pin.closing.kernel_walk import (
 )
 from pmjac_pin.closing.many_paths import FEW, LONG, GoOn, Paths, judged
 from pmjac_pin.model.coordinates import JointCoordinates
-from pmjac_pin.values.arrays import Array
+from pmjac_pin.values.arrays import Array, Mask
 from pmjac_pin.values.spares import Spares
 
 if TYPE_CHECKING:
     from pmjac_pin.algebra.compiled_programs import CompiledProgram
 
-_LANE_STEPS_AT_ONCE = (
-    64  # steps of each lane in one call: some milliseconds, in which nothing can interrupt
-)
+#: Steps of each lane in one call: some milliseconds, in which nothing can interrupt.
+_LANE_STEPS_AT_ONCE = 64
 
-#: Paths of which none has set out: nothing is known of any.
-NONE_SET_OUT = Paths(np.empty((0, 0)), np.empty(0), np.empty(0, dtype=bool))
+
+class Outcome(Enum):
+    """What became of paths from one pose that need no telling apart."""
+
+    ALL_ARRIVED = 0
+    NONE_SET_OUT = 1  # and nothing is done: a target is no number that all motors can reach
 
 
 class PathsInLanes:
@@ -88,6 +92,7 @@ class PathsInLanes:
         *,
         design: Array | None = None,
         ends: tuple[Array, Array] | None = None,
+        following: Following | None = None,
     ) -> Paths:
         """Walk from closed poses.
 
@@ -106,6 +111,8 @@ class PathsInLanes:
             is not settled then.
         ends : (ndarray, ndarray), shapes (b, nq) and (b,), optional
             Where q and share go, row by row.
+        following : Following, optional
+            What is done as soon as all have arrived, and not where some end elsewhere.
         """
         if not len(q):
             return Paths(q.copy(), np.zeros(0), np.zeros(0, dtype=bool))
@@ -116,12 +123,22 @@ class PathsInLanes:
         if not q.strides[0]:
             start = self.common_start(q[0]) if design is None else CommonStart(q[0].tobytes(), 0.0)
         _kept = walk.take(  # until this returns: C reads and writes there
-            start, displacement, target, ends, most_tries=most_steps, design=design
+            start,
+            displacement,
+            target,
+            ends,
+            most_tries=most_steps,
+            design=design,
+            following=following,
         )
         walk.set_out(_LANE_STEPS_AT_ONCE)
-        go_on()
-        paths = self._ended(walk, go_on, ends, displacement, is_one_machine=design is None)
-        return Paths(*ends, np.ones(len(q), dtype=bool)) if paths is None else paths
+        if self._walk_on(walk, go_on):
+            return Paths(*ends, np.ones(len(q), dtype=bool))
+        ways = walk.ways[: len(q)].copy() if displacement is None else displacement
+        paths, doubtful = self._told(walk, ends)
+        if design is not None:
+            return paths.less(doubtful)
+        return judged(self._problem, paths, ways, doubtful)
 
     def walk_from(
         self,
@@ -130,57 +147,42 @@ class PathsInLanes:
         go_on: GoOn,
         ends: tuple[Array, Array],
         following: Following | None = None,
-    ) -> Paths | None:
+    ) -> Paths | Outcome:
         """Walk from one closed pose, with motors that are entries of q, within their limits.
 
         Parameters
         ----------
         start : CommonStart
-        target, go_on, ends
+        target, go_on, ends, following
             As for `walk`.
-        following : Following, optional
-            What is done as soon as all have arrived, and not where some end elsewhere.
-
-        Returns
-        -------
-        Paths or None
-            None where all have arrived; `NONE_SET_OUT`, and nothing is done, where a target is no
-            number between the limits.
         """
         walk = self._walks.take()
         _kept = walk.take(start, None, target, ends, following=following, only_inside=True)
         if walk.set_out(_LANE_STEPS_AT_ONCE) < 0:
             self._walks.put_back(walk)
-            return NONE_SET_OUT
-        return self._ended(walk, go_on, ends)
+            return Outcome.NONE_SET_OUT
+        if self._walk_on(walk, go_on):
+            return Outcome.ALL_ARRIVED
+        ways = walk.ways[: len(target)].copy()
+        paths, doubtful = self._told(walk, ends)
+        return judged(self._problem, paths, ways, doubtful)
 
-    def _ended(
-        self,
-        walk: KernelWalk,
-        go_on: GoOn,
-        ends: tuple[Array, Array],
-        displacement: Array | None = None,
-        *,
-        is_one_machine: bool = True,
-    ) -> Paths | None:
-        """Walk to the ends; of several machines, what is doubtful there is not settled.
-
-        None where all have arrived at once.
-        """
-        if walk.all_arrived:
-            self._walks.put_back(walk)
-            return None
+    def _walk_on(self, walk: KernelWalk, go_on: GoOn) -> bool:
+        """Walk to the ends; tell whether all have arrived, and let go of the walk then."""
+        go_on()
         while not walk.is_over:
             walk.go_on(_LANE_STEPS_AT_ONCE)
             go_on()
-        count = len(ends[1])
-        end = walk.end[:count].copy()
-        ways = walk.ways[:count].copy() if displacement is None else displacement
+        if walk.all_arrived:
+            self._walks.put_back(walk)
+            return True
+        return False
+
+    def _told(self, walk: KernelWalk, ends: tuple[Array, Array]) -> tuple[Paths, Mask]:
+        """Return where paths ended, and which of them at doubtful poses; let go of the walk."""
+        end = walk.end[: len(ends[1])].copy()
         self._walks.put_back(walk)
-        paths, doubtful = Paths(*ends, end != SPENT), end == DOUBTFUL
-        if is_one_machine:
-            return judged(self._problem, paths, ways, doubtful)
-        return paths.less(doubtful)
+        return Paths(*ends, end != SPENT), end == DOUBTFUL
 
     def common_start(self, q: Array) -> CommonStart:
         """Return what is known of one start (nq,): the same value as long as it is the same."""

@@ -1,4 +1,4 @@
-"""What is asked of many poses: known again where the next call asks for the same."""
+"""A request of paths to many motor values: known again where the next call makes the same."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from pmjac_pin.batches.pieces import PieceWork
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Asked:
-    """What is asked of so many paths.
+class PathsRequest:
+    """What is to be found of so many paths.
 
     Attributes
     ----------
