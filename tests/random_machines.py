@@ -121,3 +121,15 @@ _BUILDERS = {
     "planar loop": planar_loop,
     "geared loop": lambda rng: planar_loop(rng, geared=True),
 }
+
+
+def planar_four_bar(coupler, rocker, ends, motors, **options):
+    """Hinges a at the origin, b between crank and coupler, c on the ground; the ends of b and c."""
+    tree = Tree()
+    a = tree.joint(0, "a", at([0, 0, 0]))
+    b = tree.joint(a, "b", at([*coupler, 0]))
+    c = tree.joint(0, "c", at([*rocker, 0]))
+    for joint, frame, end in zip((b, c), ("bt", "ct"), ends, strict=True):
+        tree.frame(joint, frame, at([*end, 0]))
+    loops = [pj.PointLoop(frames=("bt", "ct"))]
+    return pj.Mechanism.from_pinocchio(tree.model, loops, motors, "bt", **options)

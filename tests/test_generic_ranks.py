@@ -10,7 +10,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 from mechanisms import loaded
-from random_machines import Tree, at
+from random_machines import Tree, at, planar_four_bar
 
 import pmjac_pin as pj
 from pmjac_pin.closing.generic_ranks import ranked
@@ -20,14 +20,8 @@ from pmjac_pin.studies.modes.legs import find_legs
 
 def taut_four_bar(motors, **options):
     """Ground as long as the three bars together: it is assembled and cannot move at all."""
-    tree = Tree()
-    a = tree.joint(0, "a", at([0, 0, 0]))
-    b = tree.joint(a, "b", at([1, 0, 0]))
-    c = tree.joint(0, "c", at([3, 0, 0]))
-    tree.frame(b, "bt", at([2, 0, 0]))
-    tree.frame(c, "ct", at([2, 0, 0]))
-    loops = [pj.PointLoop(frames=("bt", "ct"))]
-    return pj.Mechanism.from_pinocchio(tree.model, loops, motors, "bt", name="taut", **options)
+    ends = (2.0, 0.0), (2.0, 0.0)
+    return planar_four_bar((1.0, 0.0), (3.0, 0.0), ends, motors, name="taut", **options)
 
 
 @pytest.mark.parametrize("motors", [["a"], ["a", "b"], ["c"]])

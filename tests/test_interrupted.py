@@ -17,11 +17,12 @@ import pytest
 import pmjac_pin as pj
 from pmjac_pin.batches import pieces
 from pmjac_pin.batches.closing import Closing
-from pmjac_pin.batches.gathering import Wanted, gathered
+from pmjac_pin.batches.gathering import gathered
 from pmjac_pin.batches.pieces import PIECE, pieces_of
 from pmjac_pin.batches.rest import Rest
 from pmjac_pin.batches.result_shapes import shapes_of
 from pmjac_pin.batches.turn import RefillTurn, Turns
+from pmjac_pin.batches.wanted import Wanted
 
 COUNT = 40_000
 VALUES = np.array([2.187, 0.954]) + np.random.default_rng(0).uniform(-0.1, 0.1, (COUNT, 2))

@@ -12,6 +12,7 @@ from test_batch import targets
 
 import pmjac_pin as pj
 from pmjac_pin.batches.few_poses import FewPoses
+from pmjac_pin.batches.paths_request import PathsRequests
 
 KINDS = [pj.batch, FewPoses]
 LAST = 24  # of the steps between which another thread asks
@@ -35,7 +36,7 @@ def test_what_another_thread_asks_between_two_steps_changes_nothing(kind, call, 
 
     def ask(frame, event, argument):
         nonlocal asked
-        if frame.f_code is not pj.Batch._requested.__code__ or asked > LAST:
+        if frame.f_code is not PathsRequests.of.__code__ or asked > LAST:
             return None
         sys.settrace(None)
         given, guess, limits = others[asked % len(others)]

@@ -47,19 +47,10 @@ class AtEnds:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class EllipsoidsAtEnds:
-    """The same of `ManyEllipsoids`, by one call of the kernels where all paths arrive.
+class EllipsoidsAtEnds(AtEnds):
+    """The same of `ManyEllipsoids`, by one call of the kernels where all paths arrive."""
 
-    Attributes
-    ----------
-    paths : PathsWork
-    rates : EllipsoidsWork
-    sound : SoundRows
-    """
-
-    paths: PathsWork
     rates: EllipsoidsWork
-    sound: SoundRows
 
     def __call__(
         self,
@@ -78,7 +69,7 @@ class EllipsoidsAtEnds:
             self.rates.end(begun, piece, q, *found)
 
 
-def at_ends(paths: PathsWork, rates: RatesWork, sound: SoundRows) -> AtEnds | EllipsoidsAtEnds:
+def at_ends(paths: PathsWork, rates: RatesWork, sound: SoundRows) -> AtEnds:
     """Return what fills arrays of both, as soon as it can."""
     if isinstance(rates, EllipsoidsWork) and rates.rates.goes_ahead:
         return EllipsoidsAtEnds(paths, rates, sound)

@@ -14,17 +14,14 @@ import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from pmjac_pin.algebra.tape_runner import tape_kernel
-from pmjac_pin.batches.at_ends import at_ends
 from pmjac_pin.batches.at_poses import AtPoses, RatesWork
 from pmjac_pin.batches.closing import Closing
 from pmjac_pin.batches.filled_again import Refillable
-from pmjac_pin.batches.gathering import Manner, Results, Wanted, gathered, gathered_together
+from pmjac_pin.batches.gathering import Manner, gathered, gathered_together
 from pmjac_pin.batches.grid import Grid
-from pmjac_pin.batches.path_starts import closed_q, path_starts
-from pmjac_pin.batches.paths_request import PathsRequest
-from pmjac_pin.batches.paths_work import PathsFromEach, PathsFromOne, PathsWork
-from pmjac_pin.batches.pieces import Piece, PieceWork, Progress
-from pmjac_pin.batches.result_shapes import shapes_of
+from pmjac_pin.batches.path_starts import closed_q
+from pmjac_pin.batches.paths_request import PathsRequest, PathsRequests
+from pmjac_pin.batches.pieces import Piece, Progress
 from pmjac_pin.batches.results import (
     ManyClosed,
     ManyEllipsoids,
@@ -33,6 +30,7 @@ from pmjac_pin.batches.results import (
     ManyMeasures,
 )
 from pmjac_pin.batches.sound_rows import SoundRows, rows_of_q
+from pmjac_pin.batches.wanted import Wanted
 from pmjac_pin.configuration import Configuration
 from pmjac_pin.errors import ArgumentError, quoted
 from pmjac_pin.mechanism import Mechanism
@@ -210,7 +208,7 @@ class Batch:
         def work(piece: Piece, paths: tuple[Array, Array], *found: Any) -> None:
             self._closing.close(piece, paths, whose, found, most_steps=most_steps)
 
-        wanted = self._wanted(ManyClosed, len(start))
+        wanted = Wanted.of(self.mechanism, ManyClosed, len(start))
         return gathered(wanted, work, (threads, None), None, (start, targets))
 
     def jacobian(
@@ -379,7 +377,7 @@ class Batch:
         def of_piece(piece: Piece, given: tuple[Array], *found: Any) -> None:
             self._sound.fill(work, piece, *given, *found)
 
-        wanted = self._wanted(kind, len(poses))
+        wanted = Wanted.of(self.mechanism, kind, len(poses))
         return gathered(wanted, of_piece, how, out, (poses,))
 
     def _gathered_at(
@@ -396,68 +394,11 @@ class Batch:
         return gathered_together(request.wanted, request.work, how, out, given)
 
     def _requested(
-        self,
-        kind: type[Refillable],
-        actuated: ArrayLike,
-        guess: Any,
-        enforce_limits: bool | str,
+        self, kind: type[Refillable], actuated: ArrayLike, guess: Any, enforce_limits: bool | str
     ) -> tuple[PathsRequest, tuple[Array, ...]]:
-        """Return what is asked of paths to motor values, and the arrays that this reads.
-
-        What was asked last is known again where all paths begin at one pose.
-
-        Parameters
-        ----------
-        kind : type
-            `ManyClosed`, or what is found where paths end.
-        actuated, guess, enforce_limits
-            As for `close`.
-        """
         values = self.mechanism.motors.table(actuated)
-        last: PathsRequest | None = self._last_requests.get(kind)
-        if last is not None and last.is_again(guess, enforce_limits, len(values)):
-            return last, (values,)
-        (paths, given), count = self._paths(values, guess, enforced(enforce_limits)), len(values)
-        wanted: tuple[Wanted[Any], ...] = (self._wanted(ManyClosed, count),)
-        work: PieceWork = paths
-        if kind is not ManyClosed:
-            finds = {
-                ManyEllipsoids: self._at_poses.ellipsoids,
-                ManyMeasures: self._at_poses.measures,
-            }
-            wanted += (self._wanted(kind, count),)
-            work = at_ends(paths, finds[kind](), self._sound)
-        request = PathsRequest(guess, enforce_limits, count, wanted, work)
-        if isinstance(paths, PathsFromOne):  # other guesses may hold something else next time
-            self._last_requests[kind] = request
-        return request, given
-
-    def _paths(self, values: Array, guess: Any, whose: str) -> tuple[PathsWork, tuple[Array, ...]]:
-        """Return what closes paths to motor values (N, n), and the arrays that it reads."""
-        start = path_starts(self.mechanism, guess, len(values))
-        if start.ndim == 1:
-            return PathsFromOne.of(self._closing, self._sound, whose, start), (values,)
-        return PathsFromEach(self._closing, self._sound, whose), (start, values)
-
-    def _wanted(self, kind: type[Results], count: int) -> Wanted[Results]:
-        """Say which results are wanted of so many poses; the last of each kind are known again."""
-        last: Wanted[Results] | None = self._last_wanted.get(kind)
-        if last is None or last.shapes["status"] != (count,):
-            mechanism = self.mechanism
-            motors, nq = len(mechanism.actuated), mechanism.nq
-            shapes = shapes_of(kind, count, motors, nq)  # type: ignore[arg-type]
-            known = {"_coordinates": mechanism.coordinates} if kind is ManyClosed else {}
-            last = self._last_wanted[kind] = Wanted(kind, shapes, known)
-        return last
+        return self._requests.of(kind, values, guess, enforce_limits)
 
     @cached_property
-    def _last_wanted(self) -> dict[type, Wanted[Any]]:
-        return {}
-
-    def __getstate__(self) -> dict[str, Any]:
-        """Return all but what is known again of calls before."""
-        return {name: of for name, of in vars(self).items() if not name.startswith("_last_")}
-
-    @cached_property
-    def _last_requests(self) -> dict[type, PathsRequest]:
-        return {}
+    def _requests(self) -> PathsRequests:
+        return PathsRequests(self.mechanism, self._closing, self._sound, self._at_poses)

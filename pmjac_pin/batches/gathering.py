@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Any, Generic, NamedTuple, TypeAlias, TypeVar
+from collections.abc import Sequence
+from typing import Any, TypeAlias
 
 from numpy.typing import NDArray
 
@@ -17,34 +17,14 @@ from pmjac_pin.batches.pieces import (
     interrupted,
     thread_count,
 )
-from pmjac_pin.batches.result_shapes import ResultShapes, empty_arrays
+from pmjac_pin.batches.result_shapes import empty_arrays
 from pmjac_pin.batches.turn import RefillTurn
+from pmjac_pin.batches.wanted import Results, Wanted
 from pmjac_pin.values.arrays import Array, sealed
 from pmjac_pin.values.checks import check_callable
 
-Results = TypeVar("Results", bound=Refillable)
-
-
 #: In which manner poses are computed: (threads, progress) of `Batch.close`.
 Manner: TypeAlias = tuple[int | None, Progress | None]
-
-
-class Wanted(NamedTuple, Generic[Results]):
-    """Results of many poses that are wanted.
-
-    Attributes
-    ----------
-    kind : type
-        A dataclass of arrays, one of which is called `status`.
-    shapes : ResultShapes
-        Of its arrays, by their names.
-    more : mapping of str to object
-        What the results know besides their arrays.
-    """
-
-    kind: type[Results]
-    shapes: ResultShapes
-    more: Mapping[str, Any]
 
 
 #: Results; the arrays of all of them; which of these are statuses that somebody has already.
